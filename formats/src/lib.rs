@@ -1,0 +1,99 @@
+//! Bytes in, [`Scene`] out: the only place that reads scene files.
+//!
+//! [`import`] reads a `.gltf`, `.glb`, `.obj` or `.ray` file with everything that it refers to and gives one
+//! validated [`Scene`], warnings about what it could not honour, or an error that names the place.
+
+mod control;
+mod error;
+pub mod gltf;
+pub mod images;
+mod limits;
+pub mod obj;
+pub mod ray;
+pub mod repair;
+pub mod resources;
+pub mod scene;
+
+pub use control::{Control, Stopped};
+pub use error::{ErrorCode, ImportError, Place, Warning};
+pub use limits::Limits;
+pub use resources::Resources;
+pub use scene::Scene;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+/// A file format that Kiln imports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// glTF 2.0, `.gltf` or `.glb`.
+    Gltf,
+    /// Wavefront OBJ with MTL.
+    Obj,
+    /// `SBT-raytracer` scene.
+    Ray,
+}
+
+impl Format {
+    /// The format by the file's ending, in any case.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "gltf" | "glb" => Some(Self::Gltf),
+            "obj" => Some(Self::Obj),
+            "ray" => Some(Self::Ray),
+            _ => None,
+        }
+    }
+}
+
+/// How to import.
+#[derive(Clone, Debug, Default)]
+pub struct ImportOptions {
+    /// Bounds on sizes.
+    pub limits: Limits,
+    /// The folder that references may not leave; by default the parent of the asset's folder.
+    pub root: Option<PathBuf>,
+}
+
+/// What one asset gives.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The scene; passes [`Scene::validate`].
+    pub scene: Scene,
+    /// What was mended or left out.
+    pub warnings: Vec<Warning>,
+    /// Canonical paths of all files read, the asset first.
+    pub files: Vec<PathBuf>,
+}
+
+/// Reads an asset.
+///
+/// # Errors
+/// [`ImportError`] when nothing can be shown. Never panics: a panic in a third-party decoder becomes
+/// [`ErrorCode::Internal`].
+pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result<Imported, ImportError> {
+    let format = Format::of(path)
+        .ok_or_else(|| ImportError::new(ErrorCode::UnknownFormat, "is not a .gltf, .glb, .obj or .ray file"))?;
+    let mut resources = Resources::new(path, options.root.as_deref(), options.limits)?;
+    let mut warnings = Vec::new();
+    let run = AssertUnwindSafe(|| {
+        let bytes = resources.read_asset(path)?;
+        match format {
+            Format::Gltf => gltf::import(bytes, &mut resources, &mut warnings, control),
+            Format::Obj => obj::import(bytes, &mut resources, &mut warnings, control),
+            Format::Ray => ray::import(bytes, &mut resources, &mut warnings, control),
+        }
+    });
+    let scene = catch_unwind(run)
+        .unwrap_or_else(|_| Err(ImportError::new(ErrorCode::Internal, "a decoder panicked on this file")))?;
+    scene
+        .validate()
+        .map_err(|e| ImportError::new(ErrorCode::Internal, format!("importer made an invalid scene: {e}")))?;
+    if scene.triangle_count() > options.limits.max_triangles {
+        let message =
+            format!("{} triangles exceed the limit of {}", scene.triangle_count(), options.limits.max_triangles);
+        return Err(ImportError::new(ErrorCode::TooLarge, message));
+    }
+    Ok(Imported { scene, warnings, files: resources.files_read().to_vec() })
+}

@@ -1,0 +1,13 @@
+//! Kiln turns folders of 3D assets into path-traced pictures.
+//!
+//! Data flows one way: `formats` reads bytes into a [`Scene`], [`prepare`] makes it a [`prepare::PreparedScene`],
+//! [`integrate`] fills a [`film::Film`], [`write`](mod@write) makes files of it, and [`batch`] drives all this for a folder.
+
+pub mod film;
+pub mod integrate;
+pub mod math;
+pub mod prepare;
+pub mod settings;
+
+pub use kiln_formats as formats;
+pub use kiln_formats::{Control, Scene, Stopped};

@@ -1,0 +1,5 @@
+//! Mathematics without policy.
+
+mod ray;
+
+pub use ray::{Hit, Ray};

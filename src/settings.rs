@@ -1,0 +1,89 @@
+//! What can be asked for: plain data that the command line, presets and the manifest share.
+
+use serde::{Deserialize, Serialize};
+
+/// How the direct light at a path's vertex is estimated. All converge to the same picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Strategy {
+    /// Uniform directions on the hemisphere, no light sampling but for punctual lights: the 2018 way.
+    Hemisphere,
+    /// Cosine-weighted directions, no light sampling but for punctual lights.
+    Cosine,
+    /// BSDF sampling, no light sampling but for punctual lights.
+    Bsdf,
+    /// Light sampling wherever light sampling can find the light; BSDF sampling for delta lobes.
+    Light,
+    /// Both, weighted by the balance heuristic (multiple importance sampling).
+    #[default]
+    Mis,
+}
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol' points (Burley 2020), addressed.
+    #[default]
+    Sobol,
+    /// The PCG hash (Jarzynski & Olano 2020), addressed: independent numbers.
+    Pcg,
+    /// A linear congruential generator per camera path, in sequence.
+    Lcg,
+    /// Marsaglia's xorshift32 per camera path, in sequence: the 2018 generator with its shifts mended.
+    Xorshift32,
+}
+
+/// How the kd-tree is built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum KdTreeBuilder {
+    /// Splits at the spatial or object median of the longest axis.
+    Median,
+    /// Split planes from random samples of the primitives: the 2018 semi-randomised tree, reproducible.
+    Sampled,
+    /// The surface area heuristic.
+    #[default]
+    Sah,
+}
+
+/// What a scene is prepared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PrepareSettings {
+    /// How the kd-tree is built.
+    pub kdtree: KdTreeBuilder,
+    /// Every point light becomes a soft light of this radius (world units): the 2018 switch.
+    pub point_lights: Option<f64>,
+    /// `area_light`s become true sphere emitters instead of "point shading × visible fraction".
+    pub physical_lights: bool,
+}
+
+/// What a picture is rendered with. Pixels depend on the scene, the view and this alone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RenderSettings {
+    /// Camera paths per pixel.
+    pub spp: u32,
+    /// Selects the random numbers.
+    pub seed: u64,
+    /// Scattering events per path at most.
+    pub max_depth: u32,
+    /// How direct light is estimated.
+    pub strategy: Strategy,
+    /// Light samples per vertex.
+    pub light_samples: u32,
+    /// Where random numbers come from.
+    pub sampler: SamplerKind,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            spp: 64,
+            seed: 0,
+            max_depth: 16,
+            strategy: Strategy::default(),
+            light_samples: 1,
+            sampler: SamplerKind::default(),
+        }
+    }
+}
