@@ -7,6 +7,7 @@ pub mod film;
 pub mod integrate;
 pub mod math;
 pub mod prepare;
+pub mod sampling;
 pub mod settings;
 
 pub use kiln_formats as formats;

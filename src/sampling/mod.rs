@@ -1,0 +1,112 @@
+//! Random numbers by address: (seed, pixel, replicate, sample, path vertex, purpose) → number.
+//!
+//! Nothing here is the n-th draw of a stream (but for the two sequential baselines), so that batching, compaction or
+//! leaving out an effect shifts no number. **Replicates** are independent randomisations of the same low-discrepancy
+//! points: sample `i` of a pixel is point `i / REPLICATES` of replicate `i % REPLICATES`, and the spread between
+//! replicates is an honest measure of a pixel's error.
+
+mod hash;
+mod sequential;
+mod sobol;
+
+use crate::settings::SamplerKind;
+pub use hash::{hash_combine, unit_float};
+
+/// Independent randomisations per pixel.
+pub const REPLICATES: u32 = 4;
+
+/// What a random number is for. Numbers for different purposes at one vertex are independent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Point in the pixel.
+    Pixel,
+    /// Which lobe scatters.
+    Lobe,
+    /// Direction of scattering.
+    Direction,
+    /// Which light; the number counts light samples.
+    LightChoice(u32),
+    /// Point on the light; the number counts light samples.
+    LightPoint(u32),
+    /// Russian roulette.
+    Roulette,
+    /// Coverage of a surface; the number is the triangle.
+    Coverage(u32),
+}
+
+impl Purpose {
+    fn code(self) -> (u32, u32) {
+        match self {
+            Self::Pixel => (1, 0),
+            Self::Lobe => (2, 0),
+            Self::Direction => (3, 0),
+            Self::LightChoice(k) => (4, k),
+            Self::LightPoint(k) => (5, k),
+            Self::Roulette => (6, 0),
+            Self::Coverage(triangle) => (7, triangle),
+        }
+    }
+}
+
+/// The random numbers of one camera path.
+#[derive(Clone, Debug)]
+pub struct PathSampler {
+    kind: SamplerKind,
+    /// Names (seed, pixel, replicate).
+    key: u32,
+    /// Point of the sequence.
+    index: u32,
+    state: u32,
+}
+
+impl PathSampler {
+    /// The numbers of sample `sample` (over all replicates) of `pixel` = (x, y).
+    pub fn new(kind: SamplerKind, seed: u64, pixel: [u32; 2], sample: u32) -> Self {
+        let (replicate, index) = (sample % REPLICATES, sample / REPLICATES);
+        let mut key = hash_combine(seed as u32, (seed >> 32) as u32);
+        for word in [pixel[0], pixel[1], replicate] {
+            key = hash_combine(key, word);
+        }
+        let state = sequential::initial_state(hash_combine(key, index));
+        Self { kind, key, index, state }
+    }
+
+    fn key_of(&self, vertex: u32, purpose: Purpose) -> u32 {
+        let (what, which) = purpose.code();
+        hash_combine(hash_combine(self.key, vertex.wrapping_mul(8).wrapping_add(what)), which)
+    }
+
+    /// One number in [0, 1).
+    pub fn get_1d(&mut self, vertex: u32, purpose: Purpose) -> f32 {
+        match self.kind {
+            SamplerKind::Sobol => sobol::sample_1d(self.index, self.key_of(vertex, purpose)),
+            SamplerKind::Pcg => unit_float(hash_combine(self.key_of(vertex, purpose), self.index)),
+            SamplerKind::Lcg => sequential::lcg(&mut self.state),
+            SamplerKind::Xorshift32 => sequential::xorshift32(&mut self.state),
+        }
+    }
+
+    /// Two numbers in [0, 1), well distributed together.
+    pub fn get_2d(&mut self, vertex: u32, purpose: Purpose) -> [f32; 2] {
+        match self.kind {
+            SamplerKind::Sobol => sobol::sample_2d(self.index, self.key_of(vertex, purpose)),
+            SamplerKind::Pcg => {
+                let first = hash_combine(self.key_of(vertex, purpose), self.index);
+                [unit_float(first), unit_float(hash_combine(first, 1))]
+            }
+            SamplerKind::Lcg => [sequential::lcg(&mut self.state), sequential::lcg(&mut self.state)],
+            SamplerKind::Xorshift32 => {
+                [sequential::xorshift32(&mut self.state), sequential::xorshift32(&mut self.state)]
+            }
+        }
+    }
+
+    /// One independent number in [0, 1), whatever the sampler: asking twice gives the same number, so it can be used
+    /// inside a traversal that meets a triangle in several cells.
+    pub fn fixed(&self, vertex: u32, purpose: Purpose) -> f32 {
+        unit_float(hash_combine(self.key_of(vertex, purpose), self.index))
+    }
+}
+
+#[cfg(test)]
+mod tests;
