@@ -49,7 +49,8 @@ impl std::str::FromStr for EnvironmentSettings {
 
 fn radiance(text: &str) -> Result<[f32; 3], String> {
     let explain = || format!("'{text}' is not R,G,B with three numbers that are finite and not negative");
-    let numbers: Vec<f32> = text.split(',').map(|n| n.trim().parse()).collect::<Result<_, _>>().map_err(|_| explain())?;
+    let numbers: Vec<f32> =
+        text.split(',').map(|n| n.trim().parse()).collect::<Result<_, _>>().map_err(|_| explain())?;
     if !numbers.iter().all(|n: &f32| n.is_finite() && *n >= 0.0) {
         return Err(explain());
     }

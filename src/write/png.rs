@@ -73,7 +73,9 @@ mod tests {
                 assert_eq!(info.color_type, if opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
                 assert_eq!(samples, super::samples(&picture(opaque), bits));
                 let texts: Vec<_> = info.utf8_text.iter().map(|t| (t.keyword.as_str(), t.get_text())).collect();
-                assert!(texts.iter().any(|(k, t)| *k == "Source" && t.as_deref().is_ok_and(|t| t == metadata().source)));
+                assert!(
+                    texts.iter().any(|(k, t)| *k == "Source" && t.as_deref().is_ok_and(|t| t == metadata().source))
+                );
                 assert!(texts.iter().any(|(k, t)| *k == "kiln:spp" && t.as_deref().is_ok_and(|t| t == "64")));
                 assert_eq!(bytes, encode(&picture(opaque), bits, &metadata()).expect("again"), "same bytes again");
             }

@@ -30,7 +30,7 @@ mod tests {
             assert!((encode(linear) - want).abs() < 1e-6, "{linear}: {} for {want}", encode(linear));
         }
         assert_eq!(encode(f32::NAN), 0.0);
-        assert_eq!((encode(-1.0), encode(7.0)), (0.0, 1.0));
+        assert_eq!((encode(-1.0), encode(7.0)), (encode(0.0), encode(1.0)));
     }
 
     #[test]

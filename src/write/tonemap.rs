@@ -43,7 +43,8 @@ fn transform(m: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
 /// Stephen Hill's fit of the ACES 1.0 reference rendering and sRGB output transforms (BakingLab, 2016),
 /// with its matrices that go in and out of a space near ACEScg.
 fn aces(color: [f32; 3]) -> [f32; 3] {
-    const INPUT: [[f32; 3]; 3] = [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]];
+    const INPUT: [[f32; 3]; 3] =
+        [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]];
     const OUTPUT: [[f32; 3]; 3] =
         [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]];
     let fitted = transform(&INPUT, color).map(|v| {
@@ -95,7 +96,7 @@ mod tests {
         // By hand from the specification: x − 6.25x² in the toe, 0.04 above it.
         assert_near(ToneMap::Neutral, [0.04, 0.04, 0.04], [0.01, 0.01, 0.01]);
         assert_near(ToneMap::Neutral, [0.5, 0.2, 0.08], [0.46, 0.16, 0.04]);
-        assert_near(ToneMap::Neutral, [0.79, 0.3, 0.0], [0.79, 0.3, 0.0]);
+        assert_near(ToneMap::Neutral, [0.75, 0.3, 0.0], [0.75, 0.3, 0.0]);
     }
 
     #[test]
