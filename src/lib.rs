@@ -4,7 +4,9 @@
 //! [`integrate`] fills a [`film::Film`], [`write`](mod@write) makes files of it, and [`batch`] drives all this for a folder.
 
 pub mod film;
+pub mod geometry;
 pub mod integrate;
+pub mod lighting;
 pub mod math;
 pub mod prepare;
 pub mod sampling;
