@@ -8,6 +8,7 @@ pub mod integrate;
 pub mod math;
 pub mod prepare;
 pub mod settings;
+pub mod shading;
 
 pub use kiln_formats as formats;
 pub use kiln_formats::{Control, Scene, Stopped};
