@@ -11,6 +11,7 @@ pub mod math;
 pub mod prepare;
 pub mod sampling;
 pub mod settings;
+pub mod shading;
 
 pub use kiln_formats as formats;
 pub use kiln_formats::{Control, Scene, Stopped};

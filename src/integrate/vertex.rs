@@ -3,7 +3,7 @@ use crate::geometry::textures::{color, lookup, scalar};
 use crate::geometry::Attributes;
 use crate::math::Hit;
 use crate::math::float_error::{gamma, offset_point};
-use crate::math::frame::Frame;
+use crate::math::Frame;
 use crate::prepare::PreparedScene;
 use crate::shading::{Bsdf, MetalRoughParams, PhongParams};
 use glam::Vec3;

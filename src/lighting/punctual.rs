@@ -1,4 +1,4 @@
-use crate::math::frame::Frame;
+use crate::math::Frame;
 use crate::geometry::WorldFrame;
 use crate::settings::PrepareSettings;
 use glam::Vec3;

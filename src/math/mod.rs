@@ -1,10 +1,14 @@
 //! Mathematics without policy.
 
 pub mod float_error;
-pub mod frame;
+mod frame;
 mod ray;
+pub mod statistics;
+pub mod warp;
 
 use glam::Vec3;
+
+pub use frame::Frame;
 pub use ray::{Hit, Ray};
 
 /// Relative luminance of linear Rec. 709.
