@@ -24,7 +24,9 @@ fn texel(image: &Image, space: ColorSpace, x: u32, y: u32) -> Vec4 {
                     let table = &*SRGB_8;
                     Vec4::new(table[r as usize], table[g as usize], table[b as usize], alpha)
                 }
-                ColorSpace::Linear => Vec3::new(f32::from(r), f32::from(g), f32::from(b)).extend(0.0) / 255.0 + Vec4::W * alpha,
+                ColorSpace::Linear => {
+                    Vec3::new(f32::from(r), f32::from(g), f32::from(b)).extend(0.0) / 255.0 + Vec4::W * alpha
+                }
             }
         }
         Pixels::Rgba16(p) => {
@@ -130,7 +132,8 @@ mod tests {
 
     #[test]
     fn wrap_modes() {
-        let nearest = |mode, u| lookup(&two_by_two(Filter::Nearest, mode), &TextureRef::new(0), &[[u, 0.1], [0.0; 2]]).x;
+        let nearest =
+            |mode, u| lookup(&two_by_two(Filter::Nearest, mode), &TextureRef::new(0), &[[u, 0.1], [0.0; 2]]).x;
         assert_eq!([-0.9, -0.1, 0.1, 0.9, 1.1, 1.9].map(|u| nearest(Wrap::Repeat, u)), [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
         assert_eq!([-0.9, -0.1, 0.1, 0.9, 1.1, 1.9].map(|u| nearest(Wrap::Clamp, u)), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
         assert_eq!([-0.9, -0.1, 0.1, 0.9, 1.1, 1.9].map(|u| nearest(Wrap::Mirror, u)), [1.0, 0.0, 0.0, 1.0, 1.0, 0.0]);

@@ -26,9 +26,11 @@ pub(super) fn transmittance(prepared: &PreparedScene, material: MaterialId, dist
             }
             _ => Vec3::ONE,
         },
-        Surface::Phong(p) => {
-            Vec3::from(crate::geometry::textures::color(&prepared.scene, &p.transmission, &[[0.0; 2]; 2]).to_array().map(|c| power(c, world)))
-        }
+        Surface::Phong(p) => Vec3::from(
+            crate::geometry::textures::color(&prepared.scene, &p.transmission, &[[0.0; 2]; 2])
+                .to_array()
+                .map(|c| power(c, world)),
+        ),
         Surface::Unlit(_) => Vec3::ONE,
     }
 }

@@ -92,9 +92,8 @@ pub fn render(
     let (width, height) = (view.width, view.height);
     control.begin(u64::from(width) * u64::from(height));
     let camera = RayCamera::new(&view.camera, &scene.frame);
-    let corners: Vec<(u32, u32)> = (0..height.div_ceil(TILE))
-        .flat_map(|y| (0..width.div_ceil(TILE)).map(move |x| (x * TILE, y * TILE)))
-        .collect();
+    let corners: Vec<(u32, u32)> =
+        (0..height.div_ceil(TILE)).flat_map(|y| (0..width.div_ceil(TILE)).map(move |x| (x * TILE, y * TILE))).collect();
     let tiles = corners
         .par_iter()
         .with_max_len(1)

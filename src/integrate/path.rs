@@ -110,7 +110,7 @@ fn scatter(strategy: Strategy, sampler: &mut PathSampler, depth: u32, vertex: &V
         Strategy::Cosine => vertex.bsdf.sample_baseline(wo, lobe, u, Baseline::Cosine),
         Strategy::Bsdf | Strategy::Light | Strategy::Mis => vertex.bsdf.sample(wo, lobe, u),
     }?;
-    Some((vertex.to_world(sample.wi)?, sample))
+    Some((vertex.world_of(sample.wi)?, sample))
 }
 
 /// Light from light samples at a vertex.
@@ -133,7 +133,7 @@ fn direct(
         else {
             continue;
         };
-        let Some(wi) = vertex.to_local(light.direction) else { continue };
+        let Some(wi) = vertex.local_of(light.direction) else { continue };
         let (value, bsdf_pdf) = vertex.bsdf.eval(vertex.wo_local(), wi);
         if value == Vec3::ZERO {
             continue;
@@ -169,7 +169,13 @@ fn found_weight(settings: &RenderSettings, sent: &Sent, light_pdf: impl FnOnce()
     }
 }
 
-fn emission_weight(prepared: &PreparedScene, settings: &RenderSettings, reach: LightReach, sent: &Sent, vertex: &Vertex) -> f32 {
+fn emission_weight(
+    prepared: &PreparedScene,
+    settings: &RenderSettings,
+    reach: LightReach,
+    sent: &Sent,
+    vertex: &Vertex,
+) -> f32 {
     found_weight(settings, sent, || {
         prepared.lights.pdf_triangle(&prepared.geometry, vertex.triangle, sent.from, vertex.point, reach)
     })

@@ -99,8 +99,7 @@ fn straight_transmittance(prepared: &PreparedScene, asker: &Asker, ray: &Ray, ti
     let (mut origin, mut leaves) = (ray.origin, asker.leaves);
     let end = ray.origin + ray.dir * if ray.t_max.is_finite() { ray.t_max } else { 0.0 };
     for _ in 0..MOST_CROSSINGS {
-        let (dir, t_max) =
-            if ray.t_max.is_finite() { (end - origin, 1.0) } else { (ray.dir, f32::INFINITY) };
+        let (dir, t_max) = if ray.t_max.is_finite() { (end - origin, 1.0) } else { (ray.dir, f32::INFINITY) };
         let segment = Ray { origin, dir, t_max };
         let here = Asker { leaves, ..*asker };
         let Some(hit) = prepared.tree.closest(&segment, |hit| tints(hit) && stops(prepared, &here, hit, dir)) else {

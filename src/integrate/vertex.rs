@@ -1,9 +1,9 @@
+use crate::geometry::Attributes;
 use crate::geometry::emission;
 use crate::geometry::textures::{color, lookup, scalar};
-use crate::geometry::Attributes;
+use crate::math::Frame;
 use crate::math::Hit;
 use crate::math::float_error::{gamma, offset_point};
-use crate::math::Frame;
 use crate::prepare::PreparedScene;
 use crate::shading::{Bsdf, MetalRoughParams, PhongParams};
 use glam::Vec3;
@@ -75,13 +75,13 @@ impl Vertex {
     }
 
     /// A shading-frame direction in the world, unless shading and geometric normal disagree on its side.
-    pub(super) fn to_world(&self, wi_local: Vec3) -> Option<Vec3> {
+    pub(super) fn world_of(&self, wi_local: Vec3) -> Option<Vec3> {
         let wi = self.frame.to_world(wi_local);
         ((wi.dot(self.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi)
     }
 
     /// A world direction in the shading frame, unless shading and geometric normal disagree on its side.
-    pub(super) fn to_local(&self, wi: Vec3) -> Option<Vec3> {
+    pub(super) fn local_of(&self, wi: Vec3) -> Option<Vec3> {
         let wi_local = self.frame.to_local(wi);
         ((wi.dot(self.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi_local)
     }

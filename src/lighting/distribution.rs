@@ -126,7 +126,8 @@ mod tests {
     fn grid_density_integrates_to_one_and_matches_its_samples() {
         let weights = [0.0, 1.0, 2.0, 5.0, 0.0, 4.0];
         let grid = Grid::new(&weights, 3);
-        let mean: f32 = (0..6).map(|k| grid.density([(k % 3) as f32 / 3.0 + 0.1, (k / 3) as f32 / 2.0 + 0.1])).sum::<f32>() / 6.0;
+        let mean: f32 =
+            (0..6).map(|k| grid.density([(k % 3) as f32 / 3.0 + 0.1, (k / 3) as f32 / 2.0 + 0.1])).sum::<f32>() / 6.0;
         assert!((mean - 1.0).abs() < 1e-6);
         for k in 0..64 {
             let u = [(k % 8) as f32 / 8.0, (k / 8) as f32 / 8.0];

@@ -145,8 +145,7 @@ impl EnvironmentMap {
             }
             sum * libm::sinf((y as f32 + 0.5) / grid_height as f32 * PI)
         };
-        let spread: Vec<f32> =
-            (0..grid_width * grid_height).map(|i| spread(i % grid_width, i / grid_width)).collect();
+        let spread: Vec<f32> = (0..grid_width * grid_height).map(|i| spread(i % grid_width, i / grid_width)).collect();
         let grid = Grid::new(&spread, grid_width);
         (grid.total() > 0.0).then(|| {
             let mean = (mean / solid).as_vec3();
@@ -249,7 +248,11 @@ mod tests {
         let source = EnvironmentSource::Image { image, rotation_y: 0.0, intensity: 2.0 };
         let map = Environment::new(&source, UpAxis::Y).unwrap();
         let at = |phi: f32, theta: f32| {
-            map.radiance(Vec3::new(libm::sinf(theta) * libm::cosf(phi), libm::cosf(theta), libm::sinf(theta) * libm::sinf(phi)))
+            map.radiance(Vec3::new(
+                libm::sinf(theta) * libm::cosf(phi),
+                libm::cosf(theta),
+                libm::sinf(theta) * libm::sinf(phi),
+            ))
         };
         let row = PI * 1.5 / 4.0;
         assert!((at(PI / 8.0, row) - Vec3::X * 2.0).length() < 1e-5);

@@ -1,9 +1,9 @@
+use super::Environment;
 use super::distribution::Discrete;
 use super::punctual::PunctualLight;
-use super::Environment;
+use crate::geometry::{Geometry, WorldFrame, emission};
 use crate::math::float_error::gamma;
 use crate::math::luminance;
-use crate::geometry::{Geometry, WorldFrame, emission};
 use crate::settings::PrepareSettings;
 use glam::Vec3;
 use kiln_formats::Scene;
@@ -140,7 +140,15 @@ impl Lights {
     }
 
     /// Chooses a light and a point on it. `None` when nothing arrives at `point` from there.
-    pub fn sample(&self, scene: &Scene, geometry: &Geometry, point: Vec3, reach: LightReach, choice: f32, u: [f32; 2]) -> Option<LightSample> {
+    pub fn sample(
+        &self,
+        scene: &Scene,
+        geometry: &Geometry,
+        point: Vec3,
+        reach: LightReach,
+        choice: f32,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
         let count = self.reach(reach);
         let (index, _) = self.choice.sample(choice, count)?;
         let chosen = self.choice.probability(index, count);
@@ -149,7 +157,13 @@ impl Lights {
             let s = light.sample(point, u)?;
             let target = s.target.map_or(Target::Infinity, Target::Point);
             let through_glass = light.through_glass;
-            return Some(LightSample { direction: s.direction, weight: s.irradiance / chosen, pdf: None, target, through_glass });
+            return Some(LightSample {
+                direction: s.direction,
+                weight: s.irradiance / chosen,
+                pdf: None,
+                target,
+                through_glass,
+            });
         }
         let (direction, radiance, pdf, target) = match self.triangles.get(index - self.punctual.len()) {
             Some(triangle) => sample_triangle(scene, geometry, *triangle, point, u)?,
@@ -165,7 +179,14 @@ impl Lights {
 
     /// The solid angle density with which [`Lights::sample`] makes the direction from `origin` to `point` on the
     /// emissive `triangle`.
-    pub fn pdf_triangle(&self, geometry: &Geometry, triangle: u32, origin: Vec3, point: Vec3, reach: LightReach) -> f32 {
+    pub fn pdf_triangle(
+        &self,
+        geometry: &Geometry,
+        triangle: u32,
+        origin: Vec3,
+        point: Vec3,
+        reach: LightReach,
+    ) -> f32 {
         if reach == LightReach::Punctual {
             return 0.0;
         }

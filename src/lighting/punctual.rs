@@ -1,5 +1,5 @@
-use crate::math::Frame;
 use crate::geometry::WorldFrame;
+use crate::math::Frame;
 use crate::settings::PrepareSettings;
 use glam::Vec3;
 use kiln_formats::scene::{Extent, Falloff, Light, LightKind};

@@ -104,7 +104,7 @@ pub fn prepare(
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
     control.check()?;
     let start = Instant::now();
-    let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: settings.simd };
+    let options = BuildOptions { builder: settings.kdtree, seed: 0 };
     let tree = KdTree::build(&geometry, &options, control)?;
     let times = PrepareTimes { kdtree: start.elapsed().as_secs_f64(), kdtree_cpu: tree.statistics().build_cpu_seconds };
     let filters: Vec<_> = scene.materials.iter().map(filters).collect();

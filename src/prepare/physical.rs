@@ -1,7 +1,7 @@
 use glam::{DAffine3, DVec3};
+use kiln_formats::Scene;
 use kiln_formats::repair::shapes::icosphere;
 use kiln_formats::scene::{ColorInput, Extent, Instance, LightKind, Material, Mesh, MetalRough, ScalarInput, Surface};
-use kiln_formats::Scene;
 use std::f64::consts::PI;
 
 /// Replaces `area_light`s by surfaces that emit: spheres, and two-sided parallelograms, with the radiance that gives
