@@ -7,7 +7,7 @@ use crate::geometry::{Geometry, WorldFrame, world_bounds};
 pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
 use crate::settings::PrepareSettings;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::scene::{AlphaMode, Material, Surface};
 use kiln_formats::{Control, Scene, Stopped};
@@ -60,6 +60,16 @@ impl PreparedScene {
     /// Figures of the kd-tree.
     pub fn kdtree_statistics(&self) -> kdtree::Statistics {
         self.tree.statistics()
+    }
+}
+
+impl kdtree::Triangles for Geometry {
+    fn len(&self) -> usize {
+        Geometry::len(self)
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.corners(triangle)
     }
 }
 
