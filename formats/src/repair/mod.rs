@@ -1,3 +1,4 @@
 //! Clean-up that several importers share.
 
 pub mod shapes;
+pub mod tangents;
