@@ -1,16 +1,40 @@
-//! The obj importer.
+//! The OBJ + MTL importer.
 
-use crate::{Control, ErrorCode, ImportError, Resources, Scene, Warning};
+mod faces;
+mod geometry;
+mod log;
+mod number;
+mod scan;
+mod text;
 
-/// Reads the bytes of a file and what it refers to.
+use crate::scene::{Instance, Material};
+use crate::{Control, ImportError, Resources, Scene, Warning};
+
+/// Reads the bytes of an OBJ file and the MTL and image files that it refers to.
 ///
 /// # Errors
 /// [`ImportError`] when nothing can be shown.
 pub fn import(
-    _bytes: Vec<u8>,
-    _resources: &mut Resources,
-    _warnings: &mut Vec<Warning>,
-    _control: &Control,
+    bytes: Vec<u8>,
+    resources: &mut Resources,
+    warnings: &mut Vec<Warning>,
+    control: &Control,
 ) -> Result<Scene, ImportError> {
-    Err(ImportError::new(ErrorCode::Unsupported, "this format is not read yet"))
+    let mut log = log::Log::new(warnings);
+    let text = text::decode(bytes)?;
+    let result = scan::scan(&text, resources.limits().max_triangles, &mut log, control);
+    drop(text);
+    let result = result.and_then(|scan| {
+        let geometry = geometry::build(&scan, control)?;
+        let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+        for (part, mut mesh) in scan.parts.into_iter().zip(geometry.meshes) {
+            mesh.name = part.name;
+            let (id, name) = (scene.meshes.len() as u32, mesh.name.clone());
+            scene.instances.push(Instance { name, mesh: id, transform: geometry.transform });
+            scene.meshes.push(mesh);
+        }
+        Ok(scene)
+    });
+    log.finish();
+    result
 }

@@ -1,1 +1,3 @@
 //! Clean-up that several importers share.
+
+pub mod triangulate;
