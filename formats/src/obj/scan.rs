@@ -70,13 +70,36 @@ pub(super) struct Scanner {
     unknown: BTreeMap<String, u32>,
 }
 
-const FREE_FORM: [&str; 11] =
-    ["curv", "curv2", "surf", "bzp", "bsp", "cdc", "cdp", "res", "con", "call", "csh"];
+const FREE_FORM: [&str; 11] = ["curv", "curv2", "surf", "bzp", "bsp", "cdc", "cdp", "res", "con", "call", "csh"];
 
 /// Statements that change nothing in a picture of polygons.
 const HARMLESS: [&str; 26] = [
-    "s", "mg", "vp", "deg", "bmat", "step", "cstype", "parm", "trim", "hole", "scrv", "sp", "end", "bevel", "c_interp",
-    "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "maplib", "usemap", "vw", "g", "o",
+    "s",
+    "mg",
+    "vp",
+    "deg",
+    "bmat",
+    "step",
+    "cstype",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "shadow_obj",
+    "trace_obj",
+    "ctech",
+    "stech",
+    "maplib",
+    "usemap",
+    "vw",
+    "g",
+    "o",
 ];
 
 /// Reads the whole text.
@@ -166,7 +189,8 @@ impl Scanner {
         if !sound {
             out.extend_from_slice(b" 0 0 0\n");
             self.bad_positions.push(self.counts.positions);
-            let text = || format!("'v{}' is no position of three finite numbers; its faces are left out", short(operands));
+            let text =
+                || format!("'v{}' is no position of three finite numbers; its faces are left out", short(operands));
             return log.warn("bad-vertex", line, text);
         }
         let Some(fourth) = words.next() else {

@@ -121,7 +121,8 @@ impl Triangulator {
     fn close_slits(&mut self, n: usize) {
         let n = n as u32;
         // Edges that want a partner: those of the triangles turned around, against those of the outline.
-        let mut have: Vec<[u32; 2]> = self.triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]).collect();
+        let mut have: Vec<[u32; 2]> =
+            self.triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]).collect();
         have.extend((0..n).map(|i| [(i + 1) % n, i]));
         have.sort_unstable();
         let mut open: Vec<[u32; 2]> = Vec::new();
@@ -136,10 +137,7 @@ impl Triangulator {
                 used[at] = true;
                 outline.push(*from);
                 let first = open.partition_point(|e| e[0] < *to);
-                at = (first..open.len())
-                    .take_while(|k| open[*k][0] == *to)
-                    .find(|k| !used[*k])
-                    .unwrap_or(usize::MAX);
+                at = (first..open.len()).take_while(|k| open[*k][0] == *to).find(|k| !used[*k]).unwrap_or(usize::MAX);
             }
             if let Some((apex, rest)) = outline.split_first() {
                 self.triangles.extend(rest.windows(2).map(|w| [*apex, w[0], w[1]]));
