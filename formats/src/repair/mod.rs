@@ -2,3 +2,4 @@
 
 pub mod shapes;
 pub mod tangents;
+pub mod triangulate;
