@@ -1,10 +1,13 @@
 //! Mathematics without policy.
 
+pub mod chi2;
 pub mod float_error;
 mod frame;
 mod ray;
 pub mod statistics;
 pub mod warp;
+#[cfg(test)]
+mod warp_tests;
 
 use glam::Vec3;
 

@@ -19,6 +19,10 @@ mod rough_dielectric;
 mod thin_wall;
 
 #[cfg(test)]
+mod chi2_tests;
+#[cfg(test)]
+mod furnace_tests;
+#[cfg(test)]
 mod model_tests;
 #[cfg(test)]
 mod test_support;
