@@ -1,5 +1,7 @@
 //! From the scene IR to what rays meet: world-space triangles, lights, kd-tree.
 
+pub mod kdtree;
+
 use crate::settings::PrepareSettings;
 use glam::DVec3;
 use kiln_formats::{Control, Scene, Stopped};
