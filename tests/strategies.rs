@@ -6,8 +6,8 @@ use common::{add, cube, lambert, shoot, sphere, square, view};
 use glam::{DAffine3, DVec3};
 use kiln::Scene;
 use kiln::formats::scene::{
-    Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Extent, Falloff, Filter, Image, Light, LightKind, Material, MetalRough, Phong,
-    Pixels, ScalarInput, Surface, Texture, TextureRef, Volume, Wrap,
+    Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Extent, Falloff, Filter, Image, Light, LightKind, Material,
+    MetalRough, Phong, Pixels, ScalarInput, Surface, Texture, TextureRef, Volume, Wrap,
 };
 use kiln::integrate::Rendered;
 use kiln::math::statistics;
@@ -61,7 +61,12 @@ fn everything() -> Scene {
         mirror: ColorInput::constant([0.2; 3]),
         ..Phong::default()
     };
-    add(&mut scene, cube(false), Material { surface: Surface::Phong(phong), ..Material::default() }, at(0.0, -0.85, 0.1, 0.15));
+    add(
+        &mut scene,
+        cube(false),
+        Material { surface: Surface::Phong(phong), ..Material::default() },
+        at(0.0, -0.85, 0.1, 0.15),
+    );
     let textured = |mode, filter| Material {
         alpha: Alpha {
             mode,
@@ -139,7 +144,8 @@ fn all_strategies_and_samplers_agree_on_a_scene_with_everything() {
     let scene = everything();
     let view = view(DVec3::new(0.1, 0.1, 0.95), DVec3::new(0.0, -0.2, -0.6), 70.0, 32);
     let shoot = |strategy, sampler, light_samples, spp| {
-        let settings = RenderSettings { spp, max_depth: 8, strategy, sampler, light_samples, ..RenderSettings::default() };
+        let settings =
+            RenderSettings { spp, max_depth: 8, strategy, sampler, light_samples, ..RenderSettings::default() };
         shoot(&scene, &EnvironmentSource::Constant([0.2; 3]), &PrepareSettings::default(), &settings, &view)
     };
     let reference = shoot(Strategy::Mis, SamplerKind::Sobol, 1, 2048);

@@ -4,7 +4,9 @@ pub mod chi2;
 pub mod float_error;
 mod frame;
 mod ray;
+pub mod simd;
 pub mod statistics;
+pub mod triangle;
 pub mod warp;
 #[cfg(test)]
 mod warp_tests;

@@ -6,6 +6,7 @@ mod physical;
 use crate::geometry::{Geometry, WorldFrame, world_bounds};
 pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
+use crate::math::simd::SimdTier;
 use crate::settings::PrepareSettings;
 use glam::{DVec3, Vec3};
 use kdtree::{BuildOptions, KdTree};
@@ -114,9 +115,9 @@ pub fn prepare(
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
     control.check()?;
     let start = Instant::now();
-    let options = BuildOptions { builder: settings.kdtree, seed: 0 };
+    let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: SimdTier::detect() };
     let tree = KdTree::build(&geometry, &options, control)?;
-    let times = PrepareTimes { kdtree: start.elapsed().as_secs_f64(), kdtree_cpu: tree.statistics().build_cpu_seconds };
+    let times = PrepareTimes { kdtree: start.elapsed().as_secs_f64(), kdtree_cpu: 0.0 };
     let filters: Vec<_> = scene.materials.iter().map(filters).collect();
     Ok(PreparedScene {
         bounds,
