@@ -5,11 +5,14 @@
 
 pub mod batch;
 pub mod film;
+pub mod geometry;
 pub mod integrate;
+pub mod lighting;
 pub mod math;
 pub mod prepare;
 pub mod sampling;
 pub mod settings;
+pub mod shading;
 pub mod write;
 
 pub use kiln_formats as formats;

@@ -1,5 +1,22 @@
 //! Mathematics without policy.
 
+pub mod chi2;
+pub mod float_error;
+mod frame;
 mod ray;
+pub mod simd;
+pub mod statistics;
+pub mod triangle;
+pub mod warp;
+#[cfg(test)]
+mod warp_tests;
 
+use glam::Vec3;
+
+pub use frame::Frame;
 pub use ray::{Hit, Ray};
+
+/// Relative luminance of linear Rec. 709.
+pub fn luminance(c: Vec3) -> f32 {
+    c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}

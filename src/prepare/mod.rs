@@ -1,29 +1,18 @@
-//! From the scene IR to what rays meet: world-space triangles, lights, kd-tree.
+//! From the scene IR to what rays meet: triangles in one frame, lights, kd-tree.
 
+pub mod kdtree;
+mod physical;
+
+use crate::geometry::{Geometry, WorldFrame, world_bounds};
+pub use crate::lighting::EnvironmentSource;
+use crate::lighting::{Environment, Lights};
+use crate::math::simd::SimdTier;
 use crate::settings::PrepareSettings;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use kdtree::{BuildOptions, KdTree};
+use kiln_formats::scene::{AlphaMode, Material, Surface};
 use kiln_formats::{Control, Scene, Stopped};
-
-/// What a scene is lit by beside its own lights.
-#[derive(Clone, Debug, Default)]
-pub enum EnvironmentSource {
-    /// Nothing.
-    None,
-    /// The same radiance from everywhere.
-    Constant([f32; 3]),
-    /// An equirectangular picture: u = 0.5 + atan2(z, x)/2π, v = acos(y)/π from the top row.
-    Image {
-        /// Linear pixels.
-        image: kiln_formats::scene::Image,
-        /// Turns the environment about +Y, radians.
-        rotation_y: f32,
-        /// Multiplies its radiance.
-        intensity: f32,
-    },
-    /// A soft key, fill and rim light of our own.
-    #[default]
-    Studio,
-}
+use std::time::Instant;
 
 /// Seconds that parts of the preparation took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,6 +23,17 @@ pub struct PrepareTimes {
     pub kdtree_cpu: f64,
 }
 
+/// What a traversal has to ask about a material's triangles.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Filters {
+    /// Coverage may be below 1.
+    pub coverage: bool,
+    /// Camera rays pass through the back.
+    pub culled: bool,
+    /// Shadow rays of `.ray` lights may pass and take on colour.
+    pub tints: bool,
+}
+
 /// A scene ready to be rendered. Immutable and `Sync`.
 #[derive(Debug)]
 pub struct PreparedScene {
@@ -41,10 +41,37 @@ pub struct PreparedScene {
     pub bounds: Option<(DVec3, DVec3)>,
     /// Triangles drawn, without degenerate ones.
     pub triangles: u64,
+    /// Triangles left out because they have no area.
+    pub degenerate_triangles: u64,
     /// Emitters: emissive triangles, punctual lights, environment.
     pub emitters: u64,
     /// Times.
     pub times: PrepareTimes,
+    pub(crate) scene: Scene,
+    pub(crate) frame: WorldFrame,
+    pub(crate) geometry: Geometry,
+    pub(crate) lights: Lights,
+    pub(crate) tree: KdTree,
+    pub(crate) filters: Vec<Filters>,
+    /// Whether any material filters at all.
+    pub(crate) filtered: bool,
+}
+
+impl PreparedScene {
+    /// Figures of the kd-tree.
+    pub fn kdtree_statistics(&self) -> kdtree::Statistics {
+        self.tree.statistics()
+    }
+}
+
+impl kdtree::Triangles for Geometry {
+    fn len(&self) -> usize {
+        Geometry::len(self)
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.corners(triangle)
+    }
 }
 
 /// Whether the scene brings light of its own: lights, or surfaces that emit (unlit ones do not count).
@@ -52,16 +79,58 @@ pub fn has_own_light(scene: &Scene) -> bool {
     !scene.lights.is_empty() || scene.materials.iter().any(|m| !m.emission.is_black())
 }
 
-/// Prepares a scene.
+fn filters(material: &Material) -> Filters {
+    let bounds_solid = match &material.surface {
+        Surface::MetalRough(m) => m.volume.is_some(),
+        Surface::Phong(_) | Surface::Unlit(_) => false,
+    };
+    Filters {
+        coverage: material.alpha.mode != AlphaMode::Opaque,
+        // From inside a glass body its back is the way out.
+        culled: !material.double_sided && !bounds_solid,
+        tints: matches!(&material.surface, Surface::Phong(p) if !p.transmission.is_black()),
+    }
+}
+
+/// Prepares a scene. The kd-tree is built on the current rayon pool.
 ///
 /// # Errors
 /// [`Stopped`] when `control` asks for it.
 pub fn prepare(
-    scene: Scene,
-    _environment: &EnvironmentSource,
-    _settings: &PrepareSettings,
+    mut scene: Scene,
+    environment: &EnvironmentSource,
+    settings: &PrepareSettings,
     control: &Control,
 ) -> Result<PreparedScene, Stopped> {
     control.check()?;
-    Ok(PreparedScene { bounds: None, triangles: scene.triangle_count(), emitters: 0, times: PrepareTimes::default() })
+    if settings.physical_lights {
+        physical::replace_soft_lights(&mut scene, settings.point_lights);
+    }
+    let bounds = world_bounds(&scene);
+    let frame = WorldFrame::new(bounds);
+    control.check()?;
+    let geometry = Geometry::new(&scene, &frame);
+    control.check()?;
+    let environment = Environment::new(environment, scene.up);
+    let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
+    control.check()?;
+    let start = Instant::now();
+    let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: SimdTier::detect() };
+    let tree = KdTree::build(&geometry, &options, control)?;
+    let times = PrepareTimes { kdtree: start.elapsed().as_secs_f64(), kdtree_cpu: 0.0 };
+    let filters: Vec<_> = scene.materials.iter().map(filters).collect();
+    Ok(PreparedScene {
+        bounds,
+        triangles: geometry.len() as u64,
+        degenerate_triangles: geometry.degenerate,
+        emitters: lights.count() as u64,
+        times,
+        filtered: filters.iter().any(|f| f.coverage || f.culled || f.tints),
+        scene,
+        frame,
+        geometry,
+        lights,
+        tree,
+        filters,
+    })
 }

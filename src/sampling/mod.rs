@@ -49,7 +49,7 @@ impl Purpose {
 }
 
 /// The random numbers of one camera path.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct PathSampler {
     kind: SamplerKind,
     /// Names (seed, pixel, replicate).

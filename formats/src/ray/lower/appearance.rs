@@ -1,0 +1,213 @@
+use super::{Lower, Result};
+use crate::ErrorCode;
+use crate::ray::source::{At, Offset};
+use crate::ray::tree::{FieldName, FieldValue, MaterialExpr, MaterialField};
+use crate::scene::{ColorInput, Material, MaterialId, Phong, ScalarInput, Surface, TextureRef};
+use std::collections::HashMap;
+
+/// The exponent that a white texel of a `shininess` map stands for.
+const MAPPED_SHININESS: f32 = 128.0;
+/// Reflected share above which it is worth saying that the renderer scales a material.
+const ENERGY_TOLERANCE: f32 = 1.05;
+
+/// Everything that a `.ray` material says; what materials inherit.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Appearance {
+    pub phong: Phong,
+    pub emission: Emission,
+    /// Index of the name that the file gives to exactly this material.
+    name: Option<u32>,
+}
+
+/// Emitted radiance. A type of its own for the black default.
+#[derive(Clone, Copy)]
+pub(super) struct Emission(pub ColorInput);
+
+impl Default for Emission {
+    fn default() -> Self {
+        Self(ColorInput::BLACK)
+    }
+}
+
+/// The bits of an appearance: those of equal bits become one material.
+type Bits = [u32; 29];
+
+impl Appearance {
+    fn colors(&self) -> [&ColorInput; 6] {
+        let p = &self.phong;
+        [&p.ambient, &p.diffuse, &p.specular, &p.mirror, &p.transmission, &self.emission.0]
+    }
+
+    /// Whether any texture is read.
+    pub fn is_textured(&self) -> bool {
+        let scalars = [&self.phong.exponent, &self.phong.ior];
+        self.colors().iter().any(|c| c.texture.is_some()) || scalars.iter().any(|s| s.texture.is_some())
+    }
+
+    fn bits(&self) -> Bits {
+        let id = |texture: Option<TextureRef>| texture.map_or(u32::MAX, |t| t.texture);
+        let colors = self.colors().map(|c| {
+            let [r, g, b] = c.factor.map(f32::to_bits);
+            [r, g, b, id(c.texture)]
+        });
+        let scalars = [&self.phong.exponent, &self.phong.ior].map(|s| [s.factor.to_bits(), id(s.texture)]);
+        let mut bits = [self.name.unwrap_or(u32::MAX); 29];
+        bits.iter_mut().zip(colors.as_flattened().iter().chain(scalars.as_flattened())).for_each(|(b, x)| *b = *x);
+        bits
+    }
+}
+
+/// Named appearances, and the materials made so far.
+#[derive(Default)]
+pub(super) struct Materials {
+    named: HashMap<String, Appearance>,
+    names: Vec<String>,
+    ids: HashMap<Bits, MaterialId>,
+    /// The place of the first positive `shininess`, while all of them are at most 1.
+    small_shininess: Option<Offset>,
+    large_shininess: bool,
+}
+
+impl Lower<'_, '_> {
+    /// Evaluates a material expression: a block is a copy of `inherited` with changes.
+    pub(super) fn appearance(&mut self, expression: &MaterialExpr, inherited: Appearance) -> Result<Appearance> {
+        match expression {
+            MaterialExpr::Named(At { at, value: name }) => match self.materials.named.get(name) {
+                Some(appearance) => Ok(*appearance),
+                None => Err(self.invalid(*at, format!("there is no material `{name}` before this line"))),
+            },
+            MaterialExpr::Block(At { value: block, .. }) => {
+                let mut appearance = Appearance { name: None, ..inherited };
+                for field in &block.fields {
+                    self.set(&mut appearance, field)?;
+                }
+                if let Some(At { at, value: name }) = &block.name {
+                    appearance.name = Some(self.materials.names.len() as u32);
+                    self.materials.names.push(name.clone());
+                    // An empty name is how some exporters say "none".
+                    if self.materials.named.insert(name.clone(), appearance).is_some() && !name.is_empty() {
+                        return Err(self.invalid(*at, format!("the material `{name}` is defined twice")));
+                    }
+                }
+                Ok(appearance)
+            }
+        }
+    }
+
+    fn set(&mut self, appearance: &mut Appearance, field: &MaterialField) -> Result<()> {
+        let Appearance { phong, emission, .. } = appearance;
+        let at = field.at;
+        match field.name {
+            FieldName::Emissive => emission.0 = self.color(field)?,
+            FieldName::Ambient => phong.ambient = self.color(field)?,
+            FieldName::Diffuse => phong.diffuse = self.color(field)?,
+            FieldName::Specular => phong.specular = self.color(field)?,
+            FieldName::Reflective => phong.mirror = self.color(field)?,
+            FieldName::Transmissive => phong.transmission = self.color(field)?,
+            FieldName::Shininess => {
+                phong.exponent = self.scalar(field, MAPPED_SHININESS)?;
+                let n = phong.exponent.factor;
+                self.materials.large_shininess |= n > 1.0;
+                if n > 0.0 {
+                    self.materials.small_shininess.get_or_insert(at);
+                }
+            }
+            FieldName::Index => {
+                phong.ior = self.scalar(field, 1.0)?;
+                if phong.ior.factor == 0.0 {
+                    self.notes.warn("invalid-ior", at, || "an index of refraction of 0 is taken as 1".into());
+                    phong.ior = ScalarInput::constant(1.0);
+                }
+            }
+            FieldName::BumpMapping => {
+                self.notes.warn("ignored-field", at, || "`bump_mapping` is ignored: no bump maps in .ray files".into());
+            }
+        }
+        Ok(())
+    }
+
+    fn color(&mut self, field: &MaterialField) -> Result<ColorInput> {
+        match &field.value {
+            FieldValue::Color(factor) => {
+                let factor = factor.map(|c| self.not_negative(c, "a colour", field.at));
+                Ok(ColorInput::constant(factor))
+            }
+            FieldValue::Number(grey) => {
+                let grey = self.not_negative(*grey, "a colour", field.at);
+                Ok(ColorInput::constant([grey; 3]))
+            }
+            FieldValue::Map(file) => {
+                let texture = Some(TextureRef::new(self.texture(file, false, field.at)?));
+                Ok(ColorInput { factor: [1.0; 3], texture })
+            }
+        }
+    }
+
+    /// `scale` multiplies the grey of a map, not a number.
+    fn scalar(&mut self, field: &MaterialField, scale: f32) -> Result<ScalarInput> {
+        match &field.value {
+            FieldValue::Number(number) => {
+                Ok(ScalarInput::constant(self.not_negative(*number, "a material's number", field.at)))
+            }
+            FieldValue::Map(file) => {
+                let texture = Some(TextureRef::new(self.texture(file, true, field.at)?));
+                Ok(ScalarInput { factor: scale, texture, ..ScalarInput::constant(scale) })
+            }
+            FieldValue::Color(_) => Err(self.source.error(ErrorCode::Syntax, field.at, "a number was expected")),
+        }
+    }
+
+    /// The material of an appearance, made when there is none yet. `at` places the warnings.
+    pub(super) fn material(&mut self, appearance: &Appearance, at: Offset) -> MaterialId {
+        let bits = appearance.bits();
+        if let Some(id) = self.materials.ids.get(&bits) {
+            return *id;
+        }
+        let reflected = self.reflected(&appearance.phong);
+        if reflected > ENERGY_TOLERANCE {
+            self.notes.warn("energy-scaled", at, || {
+                format!(
+                    "the material reflects {reflected:.2} times the light that it gets (diffuse, highlight and mirror \
+                     together) and is scaled down"
+                )
+            });
+        }
+        let id = self.scene.materials.len() as MaterialId;
+        let name = appearance.name.and_then(|i| self.materials.names.get(i as usize));
+        self.scene.materials.push(Material {
+            name: name.cloned().unwrap_or_default(),
+            surface: Surface::Phong(appearance.phong),
+            emission: appearance.emission.0,
+            emission_two_sided: true,
+            double_sided: true,
+            ..Material::default()
+        });
+        self.materials.ids.insert(bits, id);
+        id
+    }
+
+    /// The largest share of light of any channel that a material reflects: k_d + A_s + k_r, where the highlight's
+    /// albedo is A_s = min(1, 2 k_s / (n + 1)), the energy of the lobe k_s · cosⁿ in the course's units of light.
+    fn reflected(&self, phong: &Phong) -> f32 {
+        let brightest = |input: &ColorInput| {
+            let texels = input.texture.map_or([1.0; 3], |t| self.textures.brightest(t.texture));
+            [0, 1, 2].map(|i| input.factor[i] * texels[i])
+        };
+        let (diffuse, specular, mirror) =
+            (brightest(&phong.diffuse), brightest(&phong.specular), brightest(&phong.mirror));
+        let highlight = |k_s: f32| (2.0 * k_s / (phong.exponent.factor + 1.0)).min(1.0);
+        let channels = [0, 1, 2].map(|i| diffuse[i] + highlight(specular[i]) + mirror[i]);
+        channels.into_iter().fold(0.0, f32::max)
+    }
+
+    /// Says so when every exponent suggests that the file is of the dialect with exponents of 0 to 1.
+    pub(super) fn warn_about_shininess(&mut self) {
+        if let Some(at) = self.materials.small_shininess.filter(|_| !self.materials.large_shininess) {
+            self.notes.warn("shininess-dialect", at, || {
+                "every `shininess` is at most 1, which is the dialect where 1 stands for an exponent of 128; taken as \
+                 exponents as they are"
+                    .into()
+            });
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! One camera path (Kajiya 1986; next-event estimation and BSDF sampling joined as in Veach 1997, section 9.2).
+
+use super::RayCounts;
+use super::medium::Inside;
+use super::trace::{Asker, closest, visibility};
+use super::vertex::Vertex;
+use crate::lighting::LightReach;
+use crate::prepare::PreparedScene;
+use crate::sampling::{PathSampler, Purpose};
+use crate::settings::{RenderSettings, Strategy};
+use crate::shading::{Baseline, BsdfSample};
+use glam::Vec3;
+
+/// Scattering events before Russian roulette begins.
+const ROULETTE_AFTER: u32 = 5;
+/// The most that roulette lets a path survive by.
+const MOST_SURVIVAL: f32 = 0.95;
+
+/// Radiance along a camera ray, and whether it met anything (its coverage).
+pub(super) struct PathResult {
+    pub radiance: Vec3,
+    pub covered: bool,
+}
+
+/// How the last vertex sent the path on.
+#[derive(Clone, Copy)]
+struct Sent {
+    /// Point that the ray left.
+    from: Vec3,
+    /// Solid angle density of its direction; `None` for the camera and delta lobes, which only they can sample.
+    pdf: Option<f32>,
+}
+
+/// Follows one path from `origin` along the unit vector `dir`.
+pub(super) fn trace_path(
+    prepared: &PreparedScene,
+    settings: &RenderSettings,
+    sampler: &mut PathSampler,
+    (mut origin, mut dir): (Vec3, Vec3),
+    show_environment: bool,
+    rays: &mut RayCounts,
+) -> PathResult {
+    let reach = reach(settings.strategy);
+    let mut radiance = Vec3::ZERO;
+    let mut throughput = Vec3::ONE;
+    // Without the (η_i/η_t)² of refraction, which comes back on leaving a body.
+    let mut eta_scale = 1.0;
+    let mut inside = Inside::default();
+    let mut sent = Sent { from: origin, pdf: None };
+    let mut leaves = None;
+    rays.camera += 1;
+    for depth in 0..=settings.max_depth {
+        let asker = Asker { sampler: *sampler, vertex: depth, leaves, eye: depth == 0 };
+        let hit = closest(prepared, &asker, origin, dir);
+        let found = hit.and_then(|hit| Some((Vertex::new(prepared, &hit, dir)?, hit.t)));
+        let Some((vertex, distance)) = found else {
+            if depth > 0 || show_environment {
+                radiance += throughput * environment(prepared, settings, reach, &sent, dir);
+            }
+            return PathResult { radiance, covered: depth > 0 || show_environment };
+        };
+        throughput *= inside.transmittance(prepared, &vertex, distance);
+        if vertex.emitted != Vec3::ZERO {
+            radiance += throughput * vertex.emitted * emission_weight(prepared, settings, reach, &sent, &vertex);
+        }
+        if depth == settings.max_depth || vertex.bsdf.is_black() {
+            break;
+        }
+        if vertex.bsdf.has_smooth() && prepared.lights.any(reach) {
+            let asker = Asker { sampler: *sampler, vertex: depth + 1, leaves: Some(vertex.triangle), eye: false };
+            radiance += throughput * direct(prepared, settings, reach, sampler, &asker, &vertex, rays);
+        }
+        let Some((wi, sample)) = scatter(settings.strategy, sampler, depth, &vertex) else { break };
+        throughput *= sample.weight;
+        eta_scale *= sample.eta_scale;
+        if sample.transmitted {
+            inside = inside.crossed(prepared, &vertex);
+        }
+        if depth + 1 >= ROULETTE_AFTER {
+            let survival = (throughput.max_element() / eta_scale).min(MOST_SURVIVAL);
+            // A survival of zero can only come with a throughput of zero.
+            if !(sampler.get_1d(depth, Purpose::Roulette) < survival) {
+                break;
+            }
+            throughput /= survival;
+        }
+        sent = Sent { from: vertex.point, pdf: (!sample.delta).then_some(sample.pdf) };
+        origin = vertex.spawn(wi);
+        dir = wi;
+        leaves = Some(vertex.triangle);
+        rays.bounce += 1;
+    }
+    PathResult { radiance, covered: true }
+}
+
+fn reach(strategy: Strategy) -> LightReach {
+    match strategy {
+        Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf => LightReach::Punctual,
+        Strategy::Mis => LightReach::Mis,
+        Strategy::Light => LightReach::All,
+    }
+}
+
+/// A direction out of the vertex, on the side of the surface that its lobe says.
+fn scatter(strategy: Strategy, sampler: &mut PathSampler, depth: u32, vertex: &Vertex) -> Option<(Vec3, BsdfSample)> {
+    let (lobe, u) = (sampler.get_1d(depth, Purpose::Lobe), sampler.get_2d(depth, Purpose::Direction));
+    let wo = vertex.wo_local();
+    let sample = match strategy {
+        Strategy::Hemisphere => vertex.bsdf.sample_baseline(wo, lobe, u, Baseline::Uniform),
+        Strategy::Cosine => vertex.bsdf.sample_baseline(wo, lobe, u, Baseline::Cosine),
+        Strategy::Bsdf | Strategy::Light | Strategy::Mis => vertex.bsdf.sample(wo, lobe, u),
+    }?;
+    Some((vertex.world_of(sample.wi)?, sample))
+}
+
+/// Light from light samples at a vertex.
+fn direct(
+    prepared: &PreparedScene,
+    settings: &RenderSettings,
+    reach: LightReach,
+    sampler: &mut PathSampler,
+    asker: &Asker,
+    vertex: &Vertex,
+    rays: &mut RayCounts,
+) -> Vec3 {
+    let depth = asker.vertex - 1;
+    let count = settings.light_samples.max(1);
+    let mut sum = Vec3::ZERO;
+    for k in 0..count {
+        let choice = sampler.get_1d(depth, Purpose::LightChoice(k));
+        let u = sampler.get_2d(depth, Purpose::LightPoint(k));
+        let Some(light) = prepared.lights.sample(&prepared.scene, &prepared.geometry, vertex.point, reach, choice, u)
+        else {
+            continue;
+        };
+        let Some(wi) = vertex.local_of(light.direction) else { continue };
+        let (value, bsdf_pdf) = vertex.bsdf.eval(vertex.wo_local(), wi);
+        if value == Vec3::ZERO {
+            continue;
+        }
+        rays.shadow += 1;
+        let visible = visibility(prepared, asker, vertex, &light);
+        if visible == Vec3::ZERO {
+            continue;
+        }
+        let weight = match (light.pdf, settings.strategy) {
+            (Some(pdf), Strategy::Mis) => balance(pdf * count as f32, bsdf_pdf),
+            _ => 1.0,
+        };
+        sum += value * light.weight * visible * weight;
+    }
+    sum / count as f32
+}
+
+/// Veach's balance heuristic.
+fn balance(pdf: f32, other: f32) -> f32 {
+    if other.is_finite() { pdf / (pdf + other) } else { 0.0 }
+}
+
+/// The share of emission found by scattering that light samples do not bring already.
+fn found_weight(settings: &RenderSettings, sent: &Sent, light_pdf: impl FnOnce() -> f32) -> f32 {
+    match (sent.pdf, settings.strategy) {
+        (None, _) | (_, Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf) => 1.0,
+        (Some(_), Strategy::Light) => 0.0,
+        (Some(pdf), Strategy::Mis) => {
+            let light = light_pdf() * settings.light_samples.max(1) as f32;
+            if light == 0.0 { 1.0 } else { balance(pdf, light) }
+        }
+    }
+}
+
+fn emission_weight(
+    prepared: &PreparedScene,
+    settings: &RenderSettings,
+    reach: LightReach,
+    sent: &Sent,
+    vertex: &Vertex,
+) -> f32 {
+    found_weight(settings, sent, || {
+        prepared.lights.pdf_triangle(&prepared.geometry, vertex.triangle, sent.from, vertex.point, reach)
+    })
+}
+
+fn environment(prepared: &PreparedScene, settings: &RenderSettings, reach: LightReach, sent: &Sent, dir: Vec3) -> Vec3 {
+    let Some(environment) = &prepared.lights.environment else { return Vec3::ZERO };
+    let weight = found_weight(settings, sent, || prepared.lights.pdf_environment(dir, reach));
+    if weight == 0.0 { Vec3::ZERO } else { environment.radiance(dir) * weight }
+}

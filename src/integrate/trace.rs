@@ -1,0 +1,114 @@
+//! Rays against the prepared scene, with coverage, culling and coloured shadows.
+
+use super::medium;
+use super::vertex::Vertex;
+use crate::geometry::coverage;
+use crate::lighting::{LightSample, Target};
+use crate::math::float_error::offset_point;
+use crate::math::{Hit, Ray};
+use crate::prepare::PreparedScene;
+use crate::sampling::{PathSampler, Purpose};
+use glam::Vec3;
+
+/// Who asks.
+#[derive(Clone, Copy)]
+pub(super) struct Asker {
+    pub sampler: PathSampler,
+    /// Number of the path's vertex that the ray leaves, 0 for the camera.
+    pub vertex: u32,
+    /// The triangle that the ray leaves: flat, so the ray cannot meet it again.
+    pub leaves: Option<u32>,
+    /// A camera ray, which single-sided backs do not stop.
+    pub eye: bool,
+}
+
+/// Whether a surface stops a ray: culling, and coverage by a number that belongs to (path, vertex, triangle).
+fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
+    if asker.leaves == Some(hit.triangle) {
+        return false;
+    }
+    if !prepared.filtered {
+        return true;
+    }
+    let (scene, geometry) = (&prepared.scene, &prepared.geometry);
+    let filters = prepared.filters[geometry.material(scene, hit.triangle) as usize];
+    if filters.culled && asker.eye && geometry.front_normal(hit.triangle).dot(dir.as_dvec3()) > 0.0 {
+        return false;
+    }
+    if filters.coverage {
+        let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
+        let covered = coverage(scene, geometry, hit.triangle, b);
+        return covered >= 1.0 || asker.sampler.fixed(asker.vertex, Purpose::Coverage(hit.triangle)) < covered;
+    }
+    true
+}
+
+/// The nearest surface from `origin` along the unit vector `dir`.
+pub(super) fn closest(prepared: &PreparedScene, asker: &Asker, origin: Vec3, dir: Vec3) -> Option<Hit> {
+    let ray = Ray { origin, dir, t_max: f32::INFINITY };
+    prepared.tree.closest(&ray, |hit| stops(prepared, asker, hit, dir))
+}
+
+/// The share of a light sample that arrives at a vertex: zero or one, or the colour of `.ray` glass in between.
+pub(super) fn visibility(prepared: &PreparedScene, asker: &Asker, from: &Vertex, light: &LightSample) -> Vec3 {
+    let (ray, end) = match light.target {
+        Target::Infinity => {
+            let origin = from.spawn(light.direction);
+            (Ray { origin, dir: light.direction, t_max: f32::INFINITY }, None)
+        }
+        Target::Point(point) => {
+            let origin = from.spawn(point - from.point);
+            (Ray { origin, dir: point - origin, t_max: 1.0 }, None)
+        }
+        Target::Triangle { triangle, point, error, normal } => {
+            let origin = from.spawn(point - from.point);
+            let point = offset_point(point, error, normal, origin - point);
+            (Ray { origin, dir: point - origin, t_max: 1.0 }, Some(triangle))
+        }
+    };
+    if ray.dir == Vec3::ZERO {
+        return Vec3::ZERO;
+    }
+    let tints = |hit: &Hit| {
+        let material = prepared.geometry.material(&prepared.scene, hit.triangle);
+        light.through_glass && prepared.filters[material as usize].tints
+    };
+    let mut tinted = false;
+    let blocked = prepared.tree.occluded(&ray, |hit| {
+        if end == Some(hit.triangle) || !stops(prepared, asker, hit, ray.dir) {
+            return false;
+        }
+        let tints = light.through_glass && tints(hit);
+        tinted |= tints;
+        !tints
+    });
+    if blocked {
+        return Vec3::ZERO;
+    }
+    if tinted { straight_transmittance(prepared, asker, &ray, tints) } else { Vec3::ONE }
+}
+
+/// Transmittance of all `.ray` bodies on a straight line: k_t to the power of the length inside each
+/// (ray-format.md, section 10). Crossings are met one after the other, front to back.
+fn straight_transmittance(prepared: &PreparedScene, asker: &Asker, ray: &Ray, tints: impl Fn(&Hit) -> bool) -> Vec3 {
+    // More layers than this are black for all practical purposes, and the loop must end.
+    const MOST_CROSSINGS: u32 = 64;
+    let mut transmittance = Vec3::ONE;
+    let (mut origin, mut leaves) = (ray.origin, asker.leaves);
+    let end = ray.origin + ray.dir * if ray.t_max.is_finite() { ray.t_max } else { 0.0 };
+    for _ in 0..MOST_CROSSINGS {
+        let (dir, t_max) = if ray.t_max.is_finite() { (end - origin, 1.0) } else { (ray.dir, f32::INFINITY) };
+        let segment = Ray { origin, dir, t_max };
+        let here = Asker { leaves, ..*asker };
+        let Some(hit) = prepared.tree.closest(&segment, |hit| tints(hit) && stops(prepared, &here, hit, dir)) else {
+            return transmittance;
+        };
+        let Some(vertex) = Vertex::new(prepared, &hit, dir.normalize()) else { return transmittance };
+        if !vertex.front {
+            transmittance *= medium::transmittance(prepared, vertex.material, hit.t * dir.length());
+        }
+        origin = vertex.spawn(dir);
+        leaves = Some(hit.triangle);
+    }
+    Vec3::ZERO
+}

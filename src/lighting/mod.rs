@@ -1,0 +1,10 @@
+//! Everything that lights: emissive triangles, punctual lights and the environment, each with `sample` and `pdf`.
+
+mod distribution;
+mod environment;
+mod lights;
+mod punctual;
+mod studio;
+
+pub use environment::{Environment, EnvironmentSource};
+pub use lights::{LightReach, LightSample, Lights, Target};
