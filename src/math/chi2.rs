@@ -46,7 +46,7 @@ pub fn chi2_test(observed: &[f64], expected: &[f64]) -> Chi2 {
     let strays: f64 = empty.map(|(e, o)| o - 2.0 * e.max(0.0)).sum();
     let p_value = if strays > MOST_STRAYS {
         0.0
-    } else if degrees > 0 { 
+    } else if degrees > 0 {
         chi2_survival(statistic, degrees as f64)
     } else {
         1.0

@@ -81,10 +81,14 @@ fn assert_density(name: &str, pdf: impl Fn(Vec3) -> f32, mut sample: impl FnMut(
 
 /// The directions of a BSDF's smooth lobes.
 fn assert_bsdf(name: &str, bsdf: &Bsdf, wo: Vec3) {
-    assert_density(name, |wi| bsdf.eval(wo, wi).1, |r| {
-        let u_lobe = r.next();
-        bsdf.sample(wo, u_lobe, r.square()).filter(|s| !s.delta).map(|s| s.wi)
-    });
+    assert_density(
+        name,
+        |wi| bsdf.eval(wo, wi).1,
+        |r| {
+            let u_lobe = r.next();
+            bsdf.sample(wo, u_lobe, r.square()).filter(|s| !s.delta).map(|s| s.wi)
+        },
+    );
 }
 
 /// From straight above to nearly along the surface.
@@ -124,7 +128,8 @@ fn baselines_sample_what_they_claim() {
     let wo = direction(0.5, 1.0);
     for baseline in [Baseline::Uniform, Baseline::Cosine] {
         for (name, bsdf) in [("lambert", only(lobes[0].1)), ("both sides", both)] {
-            let visible = |wi: Vec3| if bsdf.eval(wo, wi).0 == Vec3::ZERO { 0.0 } else { bsdf.baseline_pdf(wi, baseline) };
+            let visible =
+                |wi: Vec3| if bsdf.eval(wo, wi).0 == Vec3::ZERO { 0.0 } else { bsdf.baseline_pdf(wi, baseline) };
             assert_density(&format!("{baseline:?} for {name}"), visible, |r| {
                 let u_lobe = r.next();
                 bsdf.sample_baseline(wo, u_lobe, r.square(), baseline).map(|s| s.wi)
