@@ -61,7 +61,7 @@ fn no_material_sends_more_than_it_gets() {
                                 ..plastic()
                             };
                             let bsdf = Bsdf::metal_rough(&p, cos_o);
-                            let (mean, error) = by_bsdf(&bsdf, direction(cos_o, 0.3), 10_000);
+                            let (mean, error) = by_bsdf(&bsdf, direction(cos_o, 0.3), 3000);
                             let most = mean[0] - most_errors() * error[0];
                             if mean[0] > brightest.0 && error[0] < 1e-3 {
                                 brightest = (mean[0], format!("cos {cos_o}, {p:?}"));

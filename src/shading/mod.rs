@@ -23,6 +23,8 @@ mod chi2_tests;
 #[cfg(test)]
 mod furnace_tests;
 #[cfg(test)]
+mod hostile_tests;
+#[cfg(test)]
 mod model_tests;
 #[cfg(test)]
 mod test_support;
