@@ -9,7 +9,8 @@ const MAX_TERMS: usize = 100_000;
 /// series 8.7.1 below x = a + 1, by the continued fraction 8.9.2 (Lentz's method) above, so the smaller of the two
 /// keeps its digits.
 pub fn incomplete_gamma(a: f64, x: f64) -> (f64, f64) {
-    if !(a > 0.0) || !(x >= 0.0) {
+    let defined = a > 0.0 && x >= 0.0;
+    if !defined {
         return (f64::NAN, f64::NAN);
     }
     if x == 0.0 {
@@ -66,7 +67,8 @@ pub fn chi2_survival(statistic: f64, degrees: f64) -> f64 {
 
 /// Regularised incomplete beta function I_x(a, b), 0 ≤ x ≤ 1, by the continued fraction DLMF 8.17.22.
 pub fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
-    if !(a > 0.0 && b > 0.0 && (0.0..=1.0).contains(&x)) {
+    let defined = a > 0.0 && b > 0.0 && (0.0..=1.0).contains(&x);
+    if !defined {
         return f64::NAN;
     }
     if x == 0.0 || x == 1.0 {

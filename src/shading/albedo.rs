@@ -1,5 +1,6 @@
 //! Directional albedo of the GGX reflection lobe, from a small table.
 
+use super::colour::unit;
 use super::fresnel::{Schlick, schlick_weight};
 use super::metal_rough::SMALLEST_ALPHA;
 use super::microfacet as mf;
@@ -29,7 +30,7 @@ pub fn ggx(fresnel: &Schlick, cos_o: f32, alpha: f32) -> Vec3 {
 
 /// Position on an axis of the table: fourth roots, as albedos bend where cos θo is about α, at every scale of α.
 fn to_axis(x: f32) -> f32 {
-    x.max(0.0).min(1.0).sqrt().sqrt()
+    unit(x).sqrt().sqrt()
 }
 
 /// Where [`to_axis`] gives `position`.
