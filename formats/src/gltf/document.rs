@@ -119,12 +119,15 @@ pub(super) fn read(document: &mut Value, report: &mut Report) -> Result<json::Ro
     })
 }
 
-/// Removes what the typed model would stumble over or misread: application data (`extras`), integers written as
+/// Removes what the typed model would stumble over or misread: application data (`extras`), names that are no text, integers written as
 /// `3.0`, and integers beyond 32 bits, which it would cut off (they become floats, which it refuses as indices).
 fn normalize(value: &mut Value, key: &str) {
     match value {
         Value::Object(members) => {
             members.remove("extras");
+            if members.get("name").is_some_and(|name| !name.is_string()) {
+                members.remove("name");
+            }
             members.iter_mut().for_each(|(key, member)| normalize(member, key));
         }
         Value::Array(items) => items.iter_mut().for_each(|item| normalize(item, key)),
