@@ -144,7 +144,7 @@ fn transforms_are_composed_in_double_precision_and_may_mirror() {
 fn wrong_hierarchies_and_indices_name_their_place() {
     let cases = [
         ("/nodes/0/children", json!([1]), "/nodes/0"),
-        ("/nodes/2/children", json!([1]), "/nodes/2/children/0"),
+        ("/nodes/2/children", json!([0]), "/nodes/2/children/0"),
         ("/nodes/2/children", json!([3]), "/nodes/2/children/0"),
         ("/nodes/2/mesh", json!(7), "/nodes/2/mesh"),
         ("/scene", json!(4), "/scene"),

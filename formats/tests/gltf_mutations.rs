@@ -34,14 +34,13 @@ fn rich() -> Builder {
     }]);
     b.doc["meshes"] = json!([{"weights": [0.5], "primitives": [
         {"attributes": {"POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uvs, "COLOR_0": colors,
-            "JOINTS_0": joints, "WEIGHTS_0": weights}, "indices": list, "material": 0, "targets": [{"POSITION": sparse}]},
-        {"attributes": {"POSITION": positions}, "mode": 5}
-    ]}]);
+            "JOINTS_0": joints, "WEIGHTS_0": weights}, "indices": list, "material": 0, "targets": [{"POSITION": sparse}]}
+    ]}, {"primitives": [{"attributes": {"POSITION": positions}, "mode": 5}]}]);
     b.doc["skins"] = json!([{"joints": [1, 2], "inverseBindMatrices": binds}]);
     b.doc["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
     b.doc["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {"outerConeAngle": 1}}]}});
     b.doc["nodes"] = json!([
-        {"mesh": 0, "skin": 0}, {"children": [2, 3], "rotation": [0, 0, 0, 1]}, {"translation": [1, 2, 3]},
+        {"mesh": 0, "skin": 0}, {"children": [2, 3], "rotation": [0, 0, 0, 1]}, {"mesh": 1, "translation": [1, 2, 3]},
         {"camera": 0, "mesh": 0, "scale": [1, -1, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}}
     ]);
     b.doc["scenes"] = json!([{"nodes": [0, 1]}]);
@@ -65,7 +64,7 @@ impl Random {
 fn the_document_is_sound_before_it_is_damaged() {
     let (scene, warnings) = rich().import().unwrap();
     assert_eq!(warnings, []);
-    assert_eq!((scene.instances.len(), scene.cameras.len(), scene.lights.len()), (4, 1, 1));
+    assert_eq!((scene.instances.len(), scene.cameras.len(), scene.lights.len()), (3, 1, 1));
 }
 
 #[test]
@@ -75,7 +74,7 @@ fn flipped_bytes_and_changed_numbers() {
     let text = 20 + u32::from_le_bytes(sound[12..16].try_into().unwrap()) as usize;
     let mut random = Random(0x6b69_6c6e);
     let (mut shown, mut refused) = (0, 0);
-    for round in 0..6000 {
+    for round in 0..4000 {
         let mut bytes = sound.clone();
         for _ in 0..1 + random.below(3) {
             match round % 3 {
@@ -103,7 +102,7 @@ fn flipped_bytes_and_changed_numbers() {
             Err(_) => refused += 1,
         }
     }
-    assert!(shown > 1000 && refused > 1000, "{shown} shown, {refused} refused");
+    assert!(shown > 500 && refused > 500, "{shown} shown, {refused} refused");
 }
 
 #[test]

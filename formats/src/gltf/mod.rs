@@ -216,8 +216,12 @@ fn check_size(accessors: &Accessors, shown: &[usize], max_triangles: u64) -> Res
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let Checked::Valid(mode) = primitive.mode else { continue };
             let positions = primitive.attributes.get(&Checked::Valid(json::mesh::Semantic::Positions));
-            let Some(counted) = primitive.indices.or(positions.copied()) else { continue };
-            let count = accessors.count(counted.value(), &|| format!("/meshes/{m}/primitives/{p}"))?;
+            let (counted, name) = match (primitive.indices, positions) {
+                (Some(indices), _) => (indices, "indices"),
+                (None, Some(positions)) => (*positions, "attributes/POSITION"),
+                (None, None) => continue,
+            };
+            let count = accessors.count(counted.value(), &|| format!("/meshes/{m}/primitives/{p}/{name}"))?;
             size = size.saturating_add(triangles::upper_bound(mode, count));
         }
         sizes.push(size);
