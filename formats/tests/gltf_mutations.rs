@@ -74,7 +74,7 @@ fn flipped_bytes_and_changed_numbers() {
     let text = 20 + u32::from_le_bytes(sound[12..16].try_into().unwrap()) as usize;
     let mut random = Random(0x6b69_6c6e);
     let (mut shown, mut refused) = (0, 0);
-    for round in 0..4000 {
+    for round in 0..6000 {
         let mut bytes = sound.clone();
         for _ in 0..1 + random.below(3) {
             match round % 3 {

@@ -164,7 +164,7 @@ fn hostile_meshes_get_tangents_or_a_reason() {
     // A fan of 100 000 triangles around one vertex would overflow the stack of a recursive generator.
     let rim = 100_000u32;
     let at = |k: u32| {
-        let (sin, cos) = (k as f32 * 6.28 / rim as f32).sin_cos();
+        let (sin, cos) = (k as f32 * std::f32::consts::TAU / rim as f32).sin_cos();
         [cos, sin, 0.0]
     };
     let mut fan = Mesh {

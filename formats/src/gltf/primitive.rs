@@ -135,7 +135,7 @@ impl Reader<'_, '_> {
             // `count` fits 32 bits.
             None => (0..count as u32).collect(),
         };
-        if mode == Mode::Triangles && indices.len() % 3 != 0 {
+        if mode == Mode::Triangles && !indices.len().is_multiple_of(3) {
             let message = format!("{} corners are no whole triangles; the last are left out", indices.len());
             self.report.warn("incomplete-triangle", place, message);
         }
