@@ -10,6 +10,7 @@ mod cameras;
 mod container;
 mod document;
 mod extensions;
+mod layout;
 mod lights;
 mod materials;
 mod mend;

@@ -5,6 +5,17 @@ use base64::Engine;
 use kiln_formats::{Control, ImportError, Limits, Resources, Scene, Warning};
 use serde_json::{Value, json};
 
+pub const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+/// A document with one triangle at node 0, to be changed by tests.
+pub fn triangle() -> Builder {
+    let mut b = Builder::new();
+    let positions = b.floats("VEC3", TRIANGLE.as_flattened());
+    b.doc["meshes"] = json!([{"name": "m", "primitives": [{"attributes": {"POSITION": positions}}]}]);
+    b.doc["nodes"] = json!([{"name": "n", "mesh": 0}]);
+    b
+}
+
 pub type Outcome = Result<(Scene, Vec<Warning>), ImportError>;
 
 /// A document in the making; its one buffer is written last.
