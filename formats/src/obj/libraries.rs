@@ -81,7 +81,8 @@ fn names(operands: &str, resources: &Resources) -> Vec<String> {
         if !name.is_empty() {
             name.push(' ');
         }
-        name.push_str(word);
+        // Some write `my\ name.mtl`.
+        name.push_str(word.strip_suffix('\\').unwrap_or(word));
         if word.to_ascii_lowercase().ends_with(".mtl") {
             names.push(std::mem::take(&mut name));
         }

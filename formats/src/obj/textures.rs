@@ -119,15 +119,21 @@ fn find(map: &Map, resources: &Resources) -> Result<(PathBuf, String), ImportErr
     let base = file.rsplit('/').next().unwrap_or_default();
     let folder = map.library.replace('\\', "/");
     let folder = folder.rsplit_once('/').map_or("", |(folder, _)| folder);
-    let mut first_error = None;
+    let mut references: Vec<String> = Vec::new();
     for name in [file.as_str(), uncommented.as_str(), base] {
         for folder in [folder, ""] {
             let reference = if folder.is_empty() { name.to_owned() } else { format!("{folder}/{name}") };
-            match resources.resolve(&reference) {
-                Ok(path) if path.is_file() => return Ok((path, reference)),
-                Ok(_) => {}
-                Err(error) => drop(first_error.get_or_insert(error)),
+            if !references.contains(&reference) {
+                references.push(reference);
             }
+        }
+    }
+    let mut first_error = None;
+    for reference in references {
+        match resources.resolve(&reference) {
+            Ok(path) if path.is_file() => return Ok((path, reference)),
+            Ok(_) => {}
+            Err(error) => drop(first_error.get_or_insert(error)),
         }
     }
     let unnamed = || ImportError::new(ErrorCode::Io, "is not a file");
