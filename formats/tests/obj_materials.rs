@@ -183,9 +183,10 @@ fn libraries_are_found_by_their_names() {
     std::fs::write(asset.join("sub/green.mtl"), "newmtl green\nKd 0 1 0\nmap_Kd t.png").unwrap();
     picture(&asset.join("sub/t.png"), [1, 2, 3, 255]);
     let faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl green\nf 1 2 3\nusemtl blue\nf 1 2 3\n";
-    for libraries in
-        ["mtllib my red.mtl sub/green.mtl a.mtl", "mtllib my red.mtl\nmtllib C:\\x\\sub\\a.mtl\nmtllib sub\\green.mtl"]
-    {
+    for libraries in [
+        "mtllib my red.mtl sub/green.mtl a.mtl",
+        "mtllib my\\ red.mtl\nmtllib C:\\x\\sub\\a.mtl\nmtllib sub\\green.mtl",
+    ] {
         let imported = import_in(folder.path(), &format!("{libraries}\n{faces}"), "newmtl blue\nKd 0 0 1");
         assert_eq!(codes(&imported), [] as [&str; 0], "{libraries}");
         let base = |i: usize| match &imported.scene.materials[i].surface {

@@ -1,6 +1,7 @@
 //! Small files with random damage: whatever happens, it is no panic and no invalid scene.
 
 use kiln_formats::{Control, Limits, Resources, obj};
+use std::path::Path;
 use std::time::Instant;
 
 const OBJ: &str = "\
@@ -69,6 +70,12 @@ impl Random {
     }
 }
 
+/// Writes a new file: ext4 waits for the disk when an old one is cut and written anew.
+fn write(path: &Path, bytes: &[u8]) {
+    std::fs::remove_file(path).ok();
+    std::fs::write(path, bytes).unwrap();
+}
+
 fn damage(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for _ in 0..1 + random.below(6) {
@@ -112,10 +119,10 @@ fn damaged_files_never_break_the_importer() {
         let obj_bytes = if round % 3 == 1 { OBJ.as_bytes().to_vec() } else { damage(OBJ.as_bytes(), &mut random) };
         if round % 3 == 1 {
             mtl_bytes = damage(MTL.as_bytes(), &mut random);
-            std::fs::write(&mtl, &mtl_bytes).unwrap();
+            write(&mtl, &mtl_bytes);
         }
         if round % 12 == 0 {
-            std::fs::write(&png, damage(&png_bytes, &mut random)).unwrap();
+            write(&png, &damage(&png_bytes, &mut random));
         }
         let start = Instant::now();
         let mut resources = Resources::new(&folder.path().join("a.obj"), None, Limits::default()).unwrap();
