@@ -8,6 +8,7 @@ pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// A number moved into [0, 1): a remap such as `(u − a) / b` may round up to 1. NaN becomes 0.
 #[inline]
+#[expect(clippy::manual_clamp, reason = "clamp keeps NaN")]
 pub fn into_unit(u: f32) -> f32 {
     u.max(0.0).min(ONE_MINUS_EPSILON)
 }

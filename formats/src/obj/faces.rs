@@ -110,7 +110,10 @@ impl Scanner {
             Verdict::Sound { uvs, normals, verbatim, note } => (uvs, normals, verbatim, note),
             Verdict::Later => return,
             Verdict::Bad(why) => {
-                self.first_bad_face.get_or_insert(line);
+                // Deferred faces come last, but may stand first.
+                if self.first_bad_face.as_ref().is_none_or(|(first, _)| line < *first) {
+                    self.first_bad_face = Some((line, format!("'f{}' {why}", short(corners))));
+                }
                 let code = if why.contains("refers") { "bad-index" } else { "bad-face" };
                 return log.warn(code, line, || format!("'f{}' {why}; left out", short(corners)));
             }

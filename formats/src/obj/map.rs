@@ -136,3 +136,45 @@ impl Map {
         UvTransform { linear: [[su, 0.0], [0.0, sv]], offset: [ou, 1.0 - sv - ov] }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(operands: &str) -> Map {
+        Map::parse(operands, "a.mtl", "a.mtl:1").unwrap()
+    }
+
+    #[test]
+    fn names_are_found_among_options() {
+        let cases = [
+            (" a.png", "a.png"),
+            ("\tmy  file 01.png \r", "my  file 01.png"),
+            ("-s 1 2 3 -o 0.1 my file.png", "my file.png"),
+            ("-s 0.5 file.png", "file.png"),
+            ("-bm 0.2 \"quoted name.png\"", "quoted name.png"),
+            ("-imfchan r bump map.jpg -bm 1.5", "bump map.jpg"),
+            ("-blendu on -blendv off -mm 0.1 0.3 -type cube_top -texres 64 x.jpg", "x.jpg"),
+            ("-clamp on C:\\a b\\c.png", "C:\\a b\\c.png"),
+            ("wood -old.png", "wood -old.png"),
+        ];
+        for (operands, file) in cases {
+            assert_eq!(parse(operands).file, file, "{operands}");
+        }
+        assert_eq!(Map::parse("-s 1 1 1", "", ""), None);
+        assert_eq!(Map::parse("  ", "", ""), None);
+        let map = parse("-imfchan g bump map.jpg -bm 1.5 -clamp on");
+        assert_eq!((map.channel, map.strength, map.clamp), (Some(Channel::G), 1.5, true));
+    }
+
+    #[test]
+    fn the_transform_is_that_of_mtl_turned_upside_down() {
+        let map = parse("-s 2 3 1 -o 0.25 0.125 x.png");
+        for [u, t] in [[0.0_f32, 0.0_f32], [0.5, 0.75], [1.0, 2.0]] {
+            let want = [2.0 * u + 0.25, 1.0 - (3.0 * t + 0.125)];
+            let got = map.transform().apply([u, 1.0 - t]);
+            assert!((got[0] - want[0]).abs() < 1e-6 && (got[1] - want[1]).abs() < 1e-6, "{got:?} {want:?}");
+        }
+        assert_eq!(parse("x.png").transform(), UvTransform::IDENTITY);
+    }
+}

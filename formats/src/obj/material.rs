@@ -114,7 +114,7 @@ fn classic(mtl: &Mtl, textures: &mut Textures, surface: &mut MetalRough) {
         surface.specular = ScalarInput::constant(0.0);
         return;
     }
-    let tint = ColorInput { factor: times(ks, 1.0 / strength), texture: specular_texture };
+    let tint = ColorInput { factor: ks.map(|x| x / strength), texture: specular_texture };
     surface.specular = ScalarInput::constant(strength.min(1.0));
     surface.specular_color = tint;
     // Reflective models (3 and up) of bodies with hardly any diffuse colour are mirrors.
@@ -173,7 +173,8 @@ fn transmit(mtl: &Mtl, opacity: f32, surface: &mut MetalRough) {
     let (through, rest) = if opacity < 1.0 { (1.0 - opacity, opacity) } else { (1.0, 1.0) };
     let (transmitted, diffuse) = (times(tint, through), times(kd, rest));
     // One base colour serves both: base · t ≈ transmitted, base · (1 − t) ≈ diffuse.
-    let share = largest(transmitted) / (largest(transmitted) + largest(diffuse));
+    let both = largest(transmitted) + largest(diffuse);
+    let share = if both > 0.0 { largest(transmitted) / both } else { 1.0 };
     let mut base = [0.0; 3];
     for (base, (t, d)) in base.iter_mut().zip(transmitted.iter().zip(diffuse)) {
         *base = (t + d).min(1.0);

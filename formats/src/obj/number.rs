@@ -121,3 +121,61 @@ pub(super) fn index(word: &[u8]) -> Option<i64> {
         (value, false) => value,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_those_of_rust_without_words() {
+        let good = [
+            "0",
+            "1",
+            "-1",
+            "+1",
+            "1.",
+            ".5",
+            "-.5e1",
+            "1e5",
+            "1E+5",
+            "1e-5",
+            "007",
+            "1e-400",
+            "123456789012345678901234567890.5",
+        ];
+        for word in good {
+            assert!(word.parse::<f64>().is_ok() && decimal(word.as_bytes()).is_some(), "{word}");
+        }
+        let bad = [
+            "", ".", "-", "e5", "1e", "1e+", "1.2.3", "1,5", "nan", "-inf", "infinity", "1.#IND", "0x10", "1e31",
+            "1e999", "--1", "1-2", "3.1+e2",
+        ];
+        for word in bad {
+            assert_eq!(decimal(word.as_bytes()), None, "{word}");
+        }
+        assert_eq!(decimal(b"-0.000"), Some(Decimal::Zero));
+        assert_eq!(decimal(b"0e5"), Some(Decimal::Zero));
+        assert_eq!(decimal(b"0.001"), Some(Decimal::NotZero));
+        assert_eq!(decimal(&[b'9'; 400]), None);
+    }
+
+    #[test]
+    fn indices() {
+        assert_eq!(index(b"12"), Some(12));
+        assert_eq!(index(b"-3"), Some(-3));
+        assert_eq!(index(b"+3"), Some(3));
+        assert_eq!(index(b"0"), Some(i64::MIN));
+        assert_eq!(index(b"-0"), Some(i64::MIN));
+        assert_eq!(index(b""), None);
+        assert_eq!(index(b"1.5"), None);
+        assert!(index(&[b'9'; 100]).unwrap() > 1 << 40);
+    }
+
+    #[test]
+    fn words_end_at_a_comment() {
+        let line = "\t1  2\r#3 4";
+        let mut words = Words::new(line);
+        assert_eq!(words.by_ref().collect::<Vec<_>>(), [b"1".as_slice(), b"2"]);
+        assert_eq!(&line[..words.end()], "\t1  2");
+    }
+}

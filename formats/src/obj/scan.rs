@@ -63,7 +63,7 @@ pub(super) struct Scanner {
     pub(super) deferred: Vec<Deferred>,
     pub(super) corners: Vec<[u32; 3]>,
     pub(super) triangles: u64,
-    pub(super) first_bad_face: Option<u32>,
+    pub(super) first_bad_face: Option<(u32, String)>,
     material_index: HashMap<String, u32>,
     /// First line and count of statements that are not drawn.
     skipped: BTreeMap<&'static str, (u32, u64)>,
@@ -275,9 +275,9 @@ impl Scanner {
             log.warn("unknown-statement", line, || format!("statement '{word}' is not known and ignored"));
         }
         if self.scan.parts.is_empty() {
-            return Err(match self.first_bad_face {
+            return Err(match self.first_bad_face.take() {
                 None => ImportError::new(ErrorCode::Empty, "has no faces"),
-                Some(line) => ImportError::new(ErrorCode::Invalid, "no face is sound; this is the first")
+                Some((line, why)) => ImportError::new(ErrorCode::Invalid, format!("no face is sound: {why}"))
                     .at(Place::Text { line, column: 0 }),
             });
         }

@@ -99,3 +99,52 @@ impl<'a> Lines<'a> {
 fn continued(line: &str) -> Option<&str> {
     line.strip_suffix('\\').or_else(|| line.strip_suffix("\\\r"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ErrorCode;
+
+    fn all(text: &str) -> Vec<(u32, String)> {
+        let mut lines = Lines::new(text);
+        std::iter::from_fn(|| lines.next().map(|(n, l)| (n, l.trim_end().to_owned()))).collect()
+    }
+
+    #[test]
+    fn encodings() {
+        let utf16 = |swap: bool, bom: &[u8]| {
+            let unit = |u: u16| if swap { u.to_be_bytes() } else { u.to_le_bytes() };
+            [bom.to_vec(), "v ü\n".encode_utf16().flat_map(unit).collect()].concat()
+        };
+        let cases = [
+            "v ü\n".as_bytes().to_vec(),
+            [b"\xef\xbb\xbf", "v ü\n".as_bytes()].concat(),
+            b"v \xfc\n".to_vec(),
+            utf16(false, b"\xff\xfe"),
+            utf16(true, b"\xfe\xff"),
+            utf16(false, b""),
+            utf16(true, b""),
+        ];
+        for bytes in cases {
+            assert_eq!(decode(bytes.clone()).unwrap(), "v ü\n", "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn binary_data_is_no_text() {
+        let noise: Vec<u8> = (0..4096_u32).map(|i| (i.wrapping_mul(2654435761) >> 13) as u8).collect();
+        assert_eq!(decode(noise).unwrap_err().code, ErrorCode::Syntax);
+        assert_eq!(decode(vec![0; 100]).unwrap_err().code, ErrorCode::Syntax);
+        assert!(decode(Vec::new()).unwrap().is_empty());
+    }
+
+    #[test]
+    fn line_ends_and_continuations() {
+        let want = [(1, "v 1".to_owned()), (2, "f 1  2  3".into()), (5, "# C:\\".into()), (6, "o x".into())];
+        assert_eq!(all("v 1\nf 1 \\\n2 \\\n3\n# C:\\\no x"), want);
+        assert_eq!(all("v 1\r\nf 1 \\\r\n2 \\\r\n3\r\n# C:\\\r\no x\r\n"), want);
+        assert_eq!(all("f 1\\"), [(1, "f 1".to_owned())]);
+        let mac = decode(b"v 1\rf 2".to_vec()).unwrap();
+        assert_eq!(all(&mac), [(1, "v 1".to_owned()), (2, "f 2".into())]);
+    }
+}

@@ -76,6 +76,7 @@ impl Textures {
                     all.looks.push(look);
                     Some(all.images.len() as ImageId - 1)
                 }
+                Err(error) if error.code == ErrorCode::TooLarge => return Err(error),
                 Err(error) => {
                     let code =
                         if error.code == ErrorCode::Unsupported { "unsupported-texture" } else { "broken-texture" };

@@ -151,3 +151,132 @@ pub fn newell_normal(corners: &[DVec3]) -> DVec3 {
     let Some((origin, rest)) = corners.split_first() else { return DVec3::ZERO };
     rest.windows(2).map(|w| (w[0] - *origin).cross(w[1] - *origin)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area_vector(corners: &[DVec3], triangles: &[[u32; 3]]) -> DVec3 {
+        let at = |i: u32| corners[i as usize];
+        triangles.iter().map(|[a, b, c]| (at(*b) - at(*a)).cross(at(*c) - at(*a))).sum()
+    }
+
+    fn total_area(corners: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+        let one = |t: &[u32; 3]| area_vector(corners, std::slice::from_ref(t)).length();
+        triangles.iter().map(one).sum()
+    }
+
+    /// n − 2 triangles that face the polygon's way, cover it once and share every inner edge.
+    fn assert_covers(corners: &[DVec3]) {
+        let triangles = Triangulator::default().polygon(corners).to_vec();
+        let n = corners.len();
+        assert_eq!(triangles.len(), n - 2, "{corners:?} {triangles:?}");
+        let normal = newell_normal(corners);
+        assert!((area_vector(corners, &triangles) - normal).length() < 1e-9 * normal.length());
+        assert!((total_area(corners, &triangles) - normal.length()).abs() < 1e-9 * normal.length(), "{triangles:?}");
+        let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]).collect();
+        edges.extend((0..n as u32).map(|i| [(i + 1) % n as u32, i]));
+        for [a, b] in &edges {
+            assert!(edges.contains(&[*b, *a]), "edge {a}-{b} is open: {triangles:?}");
+        }
+    }
+
+    /// A flat outline on planes of several directions.
+    fn on_planes(outline: &[[f64; 2]]) -> Vec<Vec<DVec3>> {
+        let planes = [
+            (DVec3::X, DVec3::Y),
+            (DVec3::Y, DVec3::X),
+            (DVec3::Z, DVec3::Y),
+            (DVec3::NEG_Z, DVec3::X),
+            (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-3.0, 0.0, 1.0)),
+        ];
+        let place = |(u, v): (DVec3, DVec3)| outline.iter().map(|p| 500.0 * DVec3::ONE + u * p[0] + v * p[1]).collect();
+        planes.into_iter().map(place).collect()
+    }
+
+    #[test]
+    fn simple_polygons_are_covered_once() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let dart = [[0.0, 0.0], [2.0, 0.0], [0.5, 0.5], [0.0, 2.0]];
+        let dart_seen_from_its_wing = [[2.0, 0.0], [0.5, 0.5], [0.0, 2.0], [0.0, 0.0]];
+        let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let u = [[2.0, 1.0], [2.0, 3.0], [3.0, 3.0], [3.0, 0.0], [0.0, 0.0], [0.0, 3.0], [1.0, 3.0], [1.0, 1.0]];
+        for outline in [&square[..], &dart, &dart_seen_from_its_wing, &l, &u] {
+            on_planes(outline).iter().for_each(|p| assert_covers(p));
+        }
+    }
+
+    #[test]
+    fn corners_on_straight_edges_keep_their_triangles() {
+        let wall = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]];
+        let u_with_corners_on_edges = [
+            [2.0, 1.0],
+            [2.0, 2.0],
+            [2.0, 3.0],
+            [3.0, 3.0],
+            [3.0, 1.0],
+            [3.0, 0.0],
+            [2.0, 0.0],
+            [1.0, 0.0],
+            [0.0, 0.0],
+            [0.0, 1.0],
+            [0.0, 3.0],
+            [1.0, 3.0],
+            [1.0, 2.0],
+            [1.0, 1.0],
+        ];
+        for outline in [&wall[..], &u_with_corners_on_edges] {
+            on_planes(outline)[..4].iter().for_each(|p| assert_covers(p));
+        }
+    }
+
+    #[test]
+    fn random_star_shapes_are_covered_once() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f64 / (1u64 << 24) as f64
+        };
+        for n in (4..60).chain([200, 1000]) {
+            let outline: Vec<[f64; 2]> = (0..n)
+                .map(|i| {
+                    let (angle, radius) = (std::f64::consts::TAU * f64::from(i) / f64::from(n), 0.2 + random());
+                    [radius * libm::cos(angle), radius * libm::sin(angle)]
+                })
+                .collect();
+            on_planes(&outline).iter().for_each(|p| assert_covers(p));
+        }
+    }
+
+    #[test]
+    fn non_planar_quads_keep_their_boundary() {
+        let quad = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.5), DVec3::Y];
+        let triangles = Triangulator::default().polygon(&quad).to_vec();
+        assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert!((area_vector(&quad, &triangles) - newell_normal(&quad)).length() < 1e-12);
+    }
+
+    #[test]
+    fn degenerate_and_hostile_outlines_end() {
+        let mut triangulator = Triangulator::default();
+        assert!(triangulator.polygon(&[DVec3::ZERO, DVec3::X]).is_empty());
+        assert_eq!(triangulator.polygon(&[DVec3::ONE; 6]).len(), 4);
+        assert_eq!(triangulator.polygon(&[DVec3::NAN; 5]).len(), 3);
+        assert_eq!(triangulator.polygon(&[DVec3::ZERO, DVec3::X, 2.0 * DVec3::X, 3.0 * DVec3::X]).len(), 2);
+        let bow_tie = [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0), DVec3::X, DVec3::Y];
+        assert_eq!(triangulator.polygon(&bow_tie).len(), 2);
+        let mut state = 7_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1664525).wrapping_add(1013904223);
+            f64::from(state >> 8)
+        };
+        let start = std::time::Instant::now();
+        for n in [5, 50, 500, MAX_EARCUT_CORNERS, 100_000] {
+            let tangle: Vec<DVec3> = (0..n).map(|_| DVec3::new(random(), random(), random())).collect();
+            let triangles = triangulator.polygon(&tangle);
+            assert!(!triangles.is_empty() && triangles.iter().flatten().all(|i| (*i as usize) < n));
+            println!("{n}: {:?}", start.elapsed());
+        }
+        assert!(start.elapsed().as_secs() < 5);
+    }
+}

@@ -11,8 +11,8 @@ const NEWEST_VERSION: f64 = 1.1;
 /// Reads `SBT-raytracer 1.0` and gives the token behind it.
 pub(super) fn read_header(source: Source<'_>, lexer: &mut Lexer<'_>) -> Result<Token> {
     let magic = lexer.next().ok();
-    let found = magic.and_then(|token| source.bytes.get(token.start..token.end));
-    if found != Some(b"SBT-raytracer") {
+    let word = magic.filter(|token| token.kind == TokenKind::Word);
+    if word.and_then(|token| source.bytes.get(token.start..token.end)) != Some(b"SBT-raytracer") {
         let message = "is not an SBT-raytracer file: it does not begin with `SBT-raytracer`";
         return Err(source.error(ErrorCode::UnknownFormat, magic.map_or(0, |t| t.start), message));
     }
@@ -135,7 +135,7 @@ impl Parser<'_> {
         self.advance()?;
         self.expect(b'(')?;
         let (matrix, complaint) = match keyword {
-            "translate" => (DAffine3::from_translation(self.three_arguments()?), ""),
+            "translate" => (DAffine3::from_translation(self.three_arguments()?), "translation"),
             "rotate" => {
                 let axis = self.three_arguments()?;
                 let angle = self.argument()?;
@@ -150,11 +150,15 @@ impl Parser<'_> {
             _ => (self.matrix()?, "this matrix"),
         };
         self.blocks.pop();
-        let determinant = matrix.matrix3.determinant();
-        if determinant == 0.0 || !determinant.is_finite() {
-            return Err(self.source.error(ErrorCode::Invalid, at, format!("{complaint} gives a singular transform")));
+        match matrix.matrix3.determinant() {
+            d if d == 0.0 || d.is_nan() => {
+                Err(self.source.error(ErrorCode::Invalid, at, format!("{complaint} gives a singular transform")))
+            }
+            d if d.is_infinite() => {
+                Err(self.source.error(ErrorCode::Invalid, at, format!("`{keyword}` leaves the range of numbers")))
+            }
+            _ => Ok((keyword, matrix)),
         }
-        Ok((keyword, matrix))
     }
 
     /// A number and the comma behind it.
