@@ -6,7 +6,7 @@ use crate::integrate::{Rendered, View, render};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
 use crate::settings::{Background, EnvironmentSettings, Exposure, PictureFormat};
 use crate::write::{Metadata, display, exr, png};
-use kiln_formats::{Control, ErrorCode, ImportError, ImportOptions, Scene, Stopped, import};
+use kiln_formats::{Control, ErrorCode, Format, ImportError, ImportOptions, Scene, Stopped, import};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -146,7 +146,8 @@ impl Work<'_> {
         });
         let show_environment = settings.pictures.background == Background::Environment;
         let views = views::plan(&scene, &settings.views, show_environment).map_err(|e| Failure::new("camera", e))?;
-        let (environment, light) = environment::choose(&scene, &settings.environment, loaded.as_ref());
+        let (environment, light) =
+            environment::choose(&scene, Format::of(&self.job.input), &settings.environment, loaded.as_ref());
         self.outcome.light = Some(light);
         (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();
         Ok((scene, environment, views))

@@ -2,8 +2,8 @@ use super::digest;
 use crate::prepare::{EnvironmentSource, has_own_light};
 use crate::settings::{EnvironmentFile, EnvironmentSettings};
 use crate::write::{exr, srgb};
-use kiln_formats::scene::{Image, Pixels};
-use kiln_formats::{Limits, Scene, images};
+use kiln_formats::scene::{Image, Material, Pixels};
+use kiln_formats::{Format, Limits, Scene, images};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -60,13 +60,27 @@ fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, String> {
     Ok(Image { pixels: Pixels::RgbaF32(linear), ..image })
 }
 
+/// Whether an asset is to be shown in its own light.
+///
+/// In glTF files emissive surfaces are mostly screens and lamps that nobody means to light the asset with: rasterisers
+/// let them light nothing. There only punctual lights count, and emission stronger than the core format can say
+/// (KHR_materials_emissive_strength).
+pub fn lights_itself(scene: &Scene, format: Option<Format>) -> bool {
+    let meant = |m: &Material| m.emission.factor.iter().any(|e| *e > 1.0);
+    match format {
+        Some(Format::Gltf) => !scene.lights.is_empty() || scene.materials.iter().any(meant),
+        _ => has_own_light(scene),
+    }
+}
+
 /// The light that an asset gets beside its own, with the manifest's words for what lights it.
 pub fn choose(
     scene: &Scene,
+    format: Option<Format>,
     settings: &EnvironmentSettings,
     loaded: Option<&Arc<LoadedEnvironment>>,
 ) -> (EnvironmentSource, String) {
-    let own = has_own_light(scene);
+    let own = lights_itself(scene, format);
     let with_own = |word: &str| if own { format!("own + {word}") } else { word.into() };
     match settings {
         EnvironmentSettings::Auto if own => (EnvironmentSource::None, "own".into()),
@@ -93,20 +107,24 @@ mod tests {
     use super::*;
     use crate::film::Picture;
     use crate::write::Metadata;
-    use kiln_formats::scene::{ColorInput, Material};
+    use kiln_formats::scene::ColorInput;
 
     #[test]
     fn assets_without_light_get_the_studio_and_it_is_said() {
         let dark = Scene { materials: vec![Material::default()], ..Scene::default() };
         let glow = Material { emission: ColorInput::WHITE, ..Material::default() };
         let lit = Scene { materials: vec![glow], ..Scene::default() };
-        let words = |scene, settings: &EnvironmentSettings| choose(scene, settings, None).1;
-        assert!(matches!(choose(&dark, &EnvironmentSettings::Auto, None).0, EnvironmentSource::Studio));
-        assert!(matches!(choose(&lit, &EnvironmentSettings::Auto, None).0, EnvironmentSource::None));
+        let words = |scene, settings: &EnvironmentSettings| choose(scene, None, settings, None).1;
+        assert!(matches!(choose(&dark, None, &EnvironmentSettings::Auto, None).0, EnvironmentSource::Studio));
+        assert!(matches!(choose(&lit, None, &EnvironmentSettings::Auto, None).0, EnvironmentSource::None));
         assert_eq!(words(&dark, &EnvironmentSettings::Auto), "studio");
         assert_eq!(words(&lit, &EnvironmentSettings::Auto), "own");
         assert_eq!(words(&dark, &EnvironmentSettings::None), "none");
         assert_eq!(words(&lit, &EnvironmentSettings::Constant([1.0; 3])), "own + constant");
+        // A glTF file's emission is a lamp only when it is stronger than 1.
+        assert!(!lights_itself(&lit, Some(Format::Gltf)) && lights_itself(&lit, Some(Format::Obj)));
+        let strong = Material { emission: ColorInput::constant([0.0, 5.0, 0.0]), ..Material::default() };
+        assert!(lights_itself(&Scene { materials: vec![strong], ..Scene::default() }, Some(Format::Gltf)));
     }
 
     #[test]

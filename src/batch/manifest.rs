@@ -46,6 +46,6 @@ impl Manifest {
             text += &outcome.to_line()?;
             text.push('\n');
         }
-        atomic::write(&self.path, text.as_bytes())
+        atomic::write_durably(&self.path, text.as_bytes())
     }
 }

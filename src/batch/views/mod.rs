@@ -5,6 +5,8 @@ mod framing;
 mod points;
 mod turntable;
 
+pub use points::bounds;
+
 use crate::integrate::View;
 use crate::settings::{CameraChoice, UpChoice, ViewSettings};
 use glam::DVec3;
