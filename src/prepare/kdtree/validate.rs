@@ -65,7 +65,7 @@ pub fn binary<T: Triangles>(tree: Tree, triangles: &T) -> Result<(), String> {
 
 fn leaf<T: Triangles>(tree: Tree, leaf: Leaf, cell: &Bounds, touching: &[u32], triangles: &T) -> Result<(), String> {
     let mut held = Vec::new();
-    for block in tree.leaves.blocks(leaf) {
+    for block in tree.leaves.blocks(leaf.first, leaf.count as usize) {
         for i in 0..block.len {
             let t = block.triangle(i);
             if t as usize >= triangles.len() {
