@@ -1,6 +1,6 @@
 //! Rays a second: the kd-tree's forms against each other, and against Embree.
 //!
-//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--forms planes,scalar,avx2,avx512]
+//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce]
 //!
 //! Meshes are made here: scan, terrain, knot, stadium, hair, foliage. Rays come from the tree itself: a camera, one bounce
 //! (diffuse) from each hit, the same shuffled, a second bounce, and a shadow ray to a point of a light above. All contenders take turns, pass
@@ -27,6 +27,7 @@ struct Arguments {
     passes: usize,
     embree: Option<String>,
     forms: Vec<String>,
+    sets: Vec<String>,
     builder: KdTreeBuilder,
 }
 
@@ -36,6 +37,7 @@ fn arguments() -> Arguments {
         passes: 5,
         embree: None,
         forms: vec!["avx512".into()],
+        sets: Vec::new(),
         builder: KdTreeBuilder::Sah,
     };
     let mut words = std::env::args().skip(1);
@@ -45,6 +47,7 @@ fn arguments() -> Arguments {
             "--passes" => asked.passes = value().parse().expect("a number of passes"),
             "--embree" => asked.embree = Some(value()),
             "--forms" => asked.forms = value().split(',').map(String::from).collect(),
+            "--sets" => asked.sets = value().split(',').map(String::from).collect(),
             "--builder" => asked.builder = serde_json::from_value(value().into()).expect("median, sampled or sah"),
             mesh => asked.meshes.push(mesh.into()),
         }
@@ -110,7 +113,7 @@ fn main() {
         if let Some(rival) = &rival {
             println!("# {name}: embree built in {:.3} s", rival.build_seconds);
         }
-        for set in &sets {
+        for set in sets.iter().filter(|set| asked.sets.is_empty() || asked.sets.iter().any(|s| s == set.name)) {
             let mut best: Vec<Pass> = trees.iter().map(|_| Pass { seconds: f64::MAX, hits: 0, sum_t: 0.0 }).collect();
             let mut theirs = Pass { seconds: f64::MAX, hits: 0, sum_t: 0.0 };
             if let Some(rival) = &mut rival {

@@ -90,6 +90,12 @@ impl LeafStore {
         Self { words: store }
     }
 
+    /// The first word of a leaf.
+    #[inline(always)]
+    pub fn begin(&self, first: u32) -> Option<&u32> {
+        self.words.as_slice().get(first as usize * GRAIN)
+    }
+
     /// The count of a leaf of more than 16 references.
     pub fn count_before(&self, first: u32) -> u32 {
         self.words.as_slice()[(first as usize - 1) * GRAIN]

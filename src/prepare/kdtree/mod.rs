@@ -26,7 +26,7 @@ use glam::Vec3;
 use kiln_formats::{Control, Stopped};
 use std::time::Instant;
 
-/// What a tree is built over. Vertices are finite and of magnitude below 1e15; degenerate triangles do no harm.
+/// What a tree is built over. Vertices are finite and of magnitude up to 2e12; degenerate triangles do no harm.
 pub trait Triangles: Sync {
     /// Number of triangles.
     fn len(&self) -> usize;
@@ -143,8 +143,8 @@ impl KdTree {
     /// # Errors
     /// What is wrong, in a sentence.
     pub fn validate(&self, triangles: &impl Triangles) -> Result<(), String> {
-        validate::binary(self.binary(), triangles)?;
-        wide::validate::check(self.wide(), self.binary())
+        let boxes = wide::validate::check(self.wide(), self.binary())?;
+        validate::check(self.binary(), &boxes, triangles)
     }
 
     /// Whether two trees have the same cells and the same leaves, word for word.

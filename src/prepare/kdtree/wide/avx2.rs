@@ -11,16 +11,16 @@ use crate::math::triangle::ShearedRay;
 use crate::math::{Hit, Ray};
 use std::arch::x86_64::*;
 
-/// Proof that the machine has AVX2.
+/// Proof that the machine has AVX2 and FMA.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2(());
 
 /// A ray in registers.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2Ray {
-    enter_origin: [__m256; 3],
+    enter_add: [__m256; 3],
     enter_inv: [__m256; 3],
-    leave_origin: [__m256; 3],
+    leave_add: [__m256; 3],
     leave_inv: [__m256; 3],
     /// Where in a node the rows of planes begin at which boxes are entered and left; below `6 · WIDTH`.
     first: [usize; 3],
@@ -46,7 +46,7 @@ impl Avx2 {
     }
 }
 
-#[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn nearest_with_features<const ANY: bool>(
     kernel: Avx2,
     tree: WideTree,
@@ -80,7 +80,7 @@ impl Kernel for Avx2 {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn prepare(slab: &SlabRay) -> Avx2Ray {
     let octant = octant(slab);
     let reversed = octant >= 4;
@@ -89,9 +89,9 @@ fn prepare(slab: &SlabRay) -> Avx2Ray {
     let forwards = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
     let backwards = _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0);
     Avx2Ray {
-        enter_origin: spread(slab.enter_origin),
+        enter_add: spread(slab.enter_add),
         enter_inv: spread(slab.enter_inv),
-        leave_origin: spread(slab.leave_origin),
+        leave_add: spread(slab.leave_add),
         leave_inv: spread(slab.leave_inv),
         first: [0, 1, 2].map(|axis| WIDTH * row(axis, true)),
         last: [0, 1, 2].map(|axis| WIDTH * row(axis, false)),
@@ -102,7 +102,7 @@ fn prepare(slab: &SlabRay) -> Avx2Ray {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn enter(ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
     let planes = node.planes.as_ptr().cast::<f32>();
     let (mut entered, mut left) = ([_mm256_setzero_ps(); 2], [_mm256_set1_ps(limit); 2]);
@@ -113,8 +113,8 @@ fn enter(ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32
                 let row = |at: usize| _mm256_load_ps(planes.add(at + 8 * half));
                 (row(ray.first[axis]), row(ray.last[axis]))
             };
-            let enter = _mm256_mul_ps(_mm256_sub_ps(first, ray.enter_origin[axis]), ray.enter_inv[axis]);
-            let leave = _mm256_mul_ps(_mm256_sub_ps(last, ray.leave_origin[axis]), ray.leave_inv[axis]);
+            let enter = _mm256_fmadd_ps(first, ray.enter_inv[axis], ray.enter_add[axis]);
+            let leave = _mm256_fmadd_ps(last, ray.leave_inv[axis], ray.leave_add[axis]);
             entered[half] = _mm256_max_ps(entered[half], enter);
             left[half] = _mm256_min_ps(left[half], leave);
         }
@@ -141,7 +141,7 @@ fn enter(ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32
 /// Edge functions in f32: rounding is monotone, so a sign other than zero is right, and a triangle with edges of both
 /// signs is not met.
 #[inline]
-#[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn candidates(ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
     assert!(words.len() >= 9 * len + 16);
     let base = words.as_ptr().cast::<f32>();

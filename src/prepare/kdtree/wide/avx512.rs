@@ -18,9 +18,9 @@ pub struct Avx512(());
 /// A ray in registers.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512Ray {
-    enter_origin: [__m512; 3],
+    enter_add: [__m512; 3],
     enter_inv: [__m512; 3],
-    leave_origin: [__m512; 3],
+    leave_add: [__m512; 3],
     leave_inv: [__m512; 3],
     /// Where in a node the rows of planes begin at which boxes are entered and left; below `6 · WIDTH`.
     first: [usize; 3],
@@ -47,7 +47,7 @@ impl Avx512 {
     }
 }
 
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,popcnt,lzcnt")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn nearest_with_features<const ANY: bool>(
     kernel: Avx512,
     tree: WideTree,
@@ -81,7 +81,7 @@ impl Kernel for Avx512 {
 }
 
 #[inline]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,popcnt,lzcnt")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn prepare(slab: &SlabRay) -> Avx512Ray {
     let octant = octant(slab);
     let reversed = octant >= 4;
@@ -91,9 +91,9 @@ fn prepare(slab: &SlabRay) -> Avx512Ray {
         let forwards = _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28);
         let backwards = _mm512_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0, 28, 24, 20, 16, 12, 8, 4, 0);
         Avx512Ray {
-            enter_origin: spread(slab.enter_origin),
+            enter_add: spread(slab.enter_add),
             enter_inv: spread(slab.enter_inv),
-            leave_origin: spread(slab.leave_origin),
+            leave_add: spread(slab.leave_add),
             leave_inv: spread(slab.leave_inv),
             first: [0, 1, 2].map(|axis| WIDTH * row(axis, true)),
             last: [0, 1, 2].map(|axis| WIDTH * row(axis, false)),
@@ -105,15 +105,15 @@ fn prepare(slab: &SlabRay) -> Avx512Ray {
 }
 
 #[inline]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,popcnt,lzcnt")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn enter(ray: &Avx512Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
     // SAFETY: `prepare` makes offsets of whole rows of 16 within the planes and of words within the orders; rows and
     // `enters` are aligned to 64 bytes.
     unsafe {
         let planes = node.planes.as_ptr().cast::<f32>();
         let row = |at: usize| _mm512_load_ps(planes.add(at));
-        let enter = |a: usize| _mm512_mul_ps(_mm512_sub_ps(row(ray.first[a]), ray.enter_origin[a]), ray.enter_inv[a]);
-        let leave = |a: usize| _mm512_mul_ps(_mm512_sub_ps(row(ray.last[a]), ray.leave_origin[a]), ray.leave_inv[a]);
+        let enter = |a: usize| _mm512_fmadd_ps(row(ray.first[a]), ray.enter_inv[a], ray.enter_add[a]);
+        let leave = |a: usize| _mm512_fmadd_ps(row(ray.last[a]), ray.leave_inv[a], ray.leave_add[a]);
         let entered = _mm512_max_ps(_mm512_max_ps(enter(0), enter(1)), _mm512_max_ps(enter(2), _mm512_setzero_ps()));
         let left = _mm512_min_ps(_mm512_min_ps(leave(0), leave(1)), _mm512_min_ps(leave(2), _mm512_set1_ps(limit)));
         let order = node.orders.as_ptr().cast::<i32>().add(ray.order);
@@ -130,7 +130,7 @@ fn enter(ray: &Avx512Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u
 /// Edge functions in f32: rounding is monotone, so a sign other than zero is right, and a triangle with edges of
 /// both signs is not met.
 #[inline]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,popcnt,lzcnt")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn candidates(ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
     assert!(words.len() >= 9 * len + 16);
     // SAFETY: the loads begin at 8·len at most and read 16 words, which the assertion allows.

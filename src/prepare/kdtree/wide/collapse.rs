@@ -1,5 +1,6 @@
 //! From the binary tree to wide nodes.
 
+use super::super::aligned::settle;
 use super::super::build::{Built, BuiltKind};
 use super::super::leaves::{Leaf, Planner};
 use super::node::{Child, WIDTH, WideNode};
@@ -135,5 +136,5 @@ pub fn collapse(built: &Built) -> Collapsed {
         }
         nodes[place] = node;
     }
-    Collapsed { nodes, leaves, grains: planner.next() }
+    Collapsed { nodes: settle(&nodes), leaves, grains: planner.next() }
 }

@@ -12,6 +12,7 @@ mod avx512;
 pub mod collapse;
 mod kernel;
 pub mod node;
+mod prefetch;
 mod scalar;
 mod stack;
 mod traverse;
@@ -20,7 +21,7 @@ pub mod validate;
 use super::leaves::LeafStore;
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
-use node::WideNode;
+use node::{Child, WideNode};
 
 /// What is to be traversed.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +30,25 @@ pub struct WideTree<'a> {
     pub nodes: &'a [WideNode],
     /// The leaves' triangles.
     pub leaves: &'a LeafStore,
+}
+
+impl WideTree<'_> {
+    /// Has a child of a node fetched that will probably be visited.
+    #[inline(always)]
+    fn prefetch(&self, parent: &WideNode, child: u32) {
+        match Child::decode(child) {
+            Child::Node(at) => {
+                if let Some(node) = self.nodes.get(at as usize) {
+                    prefetch::lines::<7, _>(node);
+                }
+            }
+            Child::Leaf(offset, _) | Child::Large(offset) => {
+                if let Some(words) = self.leaves.begin(parent.leaf_base + offset) {
+                    prefetch::lines::<4, _>(words);
+                }
+            }
+        }
+    }
 }
 
 /// A kernel that the machine has.

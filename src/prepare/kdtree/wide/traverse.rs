@@ -5,6 +5,7 @@ use super::super::slab::SlabRay;
 use super::WideTree;
 use super::kernel::{Kernel, octant};
 use super::node::Child;
+use super::prefetch;
 use super::stack::Stack;
 use crate::math::triangle::{Nearest, ShearedRay};
 use crate::math::{Hit, Ray};
@@ -39,6 +40,8 @@ pub fn nearest<const ANY: bool, K: Kernel>(
     let mut stack = Stack::new();
     let mut node = tree.nodes.first()?;
     loop {
+        // The children's words come last in the node and are needed last: have them fetched meanwhile.
+        prefetch::line(&node.children);
         let top = stack.top();
         let entered = kernel.enter(&prepared, node, walk.limit, &mut top.enters);
         let mut next = None;
@@ -48,6 +51,8 @@ pub fn nearest<const ANY: bool, K: Kernel>(
             let rest = entered & (entered - 1);
             if rest != 0 {
                 top.rest = rest;
+                let second = node.children[node.slot(octant, rest.trailing_zeros() as usize & 15)];
+                tree.prefetch(node, second);
                 stack.push(node);
             }
         }
@@ -82,7 +87,7 @@ pub fn nearest<const ANY: bool, K: Kernel>(
                 stack.pop();
             }
             if enter > walk.limit {
-                if enter > walk.limit * walk.slab.stop_factor {
+                if enter > walk.slab.stop(walk.limit) {
                     return walk.nearest.hit;
                 }
                 next = None;

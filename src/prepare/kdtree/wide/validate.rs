@@ -1,14 +1,15 @@
 //! Checks wide nodes against the binary tree that they were made from.
 
 use super::super::binary;
+use super::super::validate::LeafBoxes;
 use super::WideTree;
 use super::node::{Child, WIDTH};
 use std::collections::BTreeSet;
 
 /// Whether the wide nodes form one tree over exactly the leaves of the binary tree, each child's box inside its parent's.
 ///
-/// That the boxes hold what the leaves' cells hold of their triangles is checked on every triangle by the caller.
-pub fn check(tree: WideTree, binary: binary::Tree) -> Result<(), String> {
+/// Gives the boxes of the leaves; whether they hold what the cells hold of the triangles, `kdtree::validate` looks at.
+pub fn check(tree: WideTree, binary: binary::Tree) -> Result<LeafBoxes, String> {
     let expected: BTreeSet<(u32, u32)> = binary
         .nodes
         .iter()
@@ -18,6 +19,7 @@ pub fn check(tree: WideTree, binary: binary::Tree) -> Result<(), String> {
         })
         .collect();
     let mut found = BTreeSet::new();
+    let mut boxes = LeafBoxes::new();
     let mut parents = vec![0u32; tree.nodes.len()];
     for (at, node) in tree.nodes.iter().enumerate() {
         for order in node.orders {
@@ -46,6 +48,7 @@ pub fn check(tree: WideTree, binary: binary::Tree) -> Result<(), String> {
                 Child::Leaf(offset, count) => (node.leaf_base + offset, count as u32),
                 Child::Large(offset) => (node.leaf_base + offset, tree.leaves.count_before(node.leaf_base + offset)),
             };
+            boxes.insert(leaf.0, node.bounds(slot));
             if !found.insert(leaf) {
                 return Err(format!("leaf {leaf:?} is in two wide nodes"));
             }
@@ -56,6 +59,6 @@ pub fn check(tree: WideTree, binary: binary::Tree) -> Result<(), String> {
     }
     match parents.iter().skip(1).position(|&n| n != 1) {
         Some(i) => Err(format!("wide node {} has not one parent", i + 1)),
-        None => Ok(()),
+        None => Ok(boxes),
     }
 }
