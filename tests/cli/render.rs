@@ -45,6 +45,12 @@ fn json_is_the_manifest_line() {
     let line: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
     assert_eq!((line["input"].as_str(), line["status"].as_str()), (Some("a.obj"), Some("ok")));
     assert_eq!(line["outputs"][0]["path"], "a.obj.png");
+    let absolute = dir.path().join("deep/b.png").display().to_string();
+    for path in ["deep/b.png", &absolute] {
+        let output = render(dir.path(), &["a.obj", "--json", "-o", path]);
+        let line: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+        assert_eq!(line["outputs"][0]["path"], path);
+    }
 }
 
 #[test]
