@@ -81,6 +81,44 @@ fn sound_assets_import() {
     assert!(bad.is_empty(), "{bad:#?}");
 }
 
+/// Codes of the Khronos validator for flaws that leave nothing sure to read, in a file's structure or ranges.
+const UNREADABLE: [&str; 14] = [
+    "ACCESSOR_SMALL_BYTESTRIDE",
+    "ACCESSOR_SPARSE_COUNT_OUT_OF_RANGE",
+    "ACCESSOR_TOO_LONG",
+    "BUFFER_BYTE_LENGTH_MISMATCH",
+    "BUFFER_VIEW_TOO_LONG",
+    "GLB_CHUNK_TOO_BIG",
+    "GLB_INVALID_MAGIC",
+    "GLB_LENGTH_MISMATCH",
+    "GLB_UNEXPECTED_END_OF_CHUNK_DATA",
+    "GLB_UNEXPECTED_END_OF_CHUNK_HEADER",
+    "GLB_UNEXPECTED_END_OF_HEADER",
+    "NODE_LOOP",
+    "NODE_PARENT_OVERRIDE",
+    "UNKNOWN_ASSET_MAJOR_VERSION",
+];
+
+#[test]
+fn what_the_validator_calls_unreadable_is_an_error_at_a_place() {
+    let Some(folder) = shared("assets/malformed") else { return };
+    let manifest = std::fs::read_to_string(folder.join("MANIFEST.tsv")).unwrap();
+    let mut seen = 0;
+    for row in manifest.lines() {
+        let columns: Vec<&str> = row.split('\t').collect();
+        let [path, _, _, _, _, codes] = columns[..] else { continue };
+        if !codes.split(',').any(|code| UNREADABLE.contains(&code)) {
+            continue;
+        }
+        seen += 1;
+        match timed(&folder.join(path)).0 {
+            Err(e) => assert!(e.code != ErrorCode::Empty && e.place != Place::File, "{path}: {e} for {codes}"),
+            Ok(_) => panic!("{path} was read in spite of {codes}"),
+        }
+    }
+    assert!(seen > 15, "{seen} rows");
+}
+
 #[test]
 fn malformed_assets_end_in_time_and_name_the_place() {
     let Some(folder) = shared("assets/malformed") else { return };

@@ -27,3 +27,4 @@ pub use outcome::{Outcome, OutputRecord, Rays, SceneFacts, StageSeconds, Status}
 pub use run::{Assignment, Observer, run};
 pub use sink::{FileSink, MemorySink, Sink};
 pub use view_file::ViewFile;
+pub use views::plan as plan_views;

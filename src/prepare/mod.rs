@@ -7,7 +7,7 @@ use crate::geometry::{Geometry, WorldFrame, world_bounds};
 pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
 use crate::math::simd::SimdTier;
-use crate::settings::PrepareSettings;
+use crate::settings::{PrepareSettings, SimdTier as AskedTier};
 use glam::{DVec3, Vec3};
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::scene::{AlphaMode, Material, Surface};
@@ -79,6 +79,15 @@ pub fn has_own_light(scene: &Scene) -> bool {
     !scene.lights.is_empty() || scene.materials.iter().any(|m| !m.emission.is_black())
 }
 
+fn tier(asked: AskedTier) -> SimdTier {
+    match asked {
+        AskedTier::Auto => SimdTier::detect(),
+        AskedTier::Scalar => SimdTier::Scalar,
+        AskedTier::Avx2 => SimdTier::Avx2,
+        AskedTier::Avx512 => SimdTier::Avx512,
+    }
+}
+
 fn filters(material: &Material) -> Filters {
     let bounds_solid = match &material.surface {
         Surface::MetalRough(m) => m.volume.is_some(),
@@ -115,7 +124,7 @@ pub fn prepare(
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
     control.check()?;
     let start = Instant::now();
-    let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: SimdTier::detect() };
+    let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: tier(settings.simd) };
     let tree = KdTree::build(&geometry, &options, control)?;
     let times = PrepareTimes { kdtree: start.elapsed().as_secs_f64(), kdtree_cpu: 0.0 };
     let filters: Vec<_> = scene.materials.iter().map(filters).collect();

@@ -24,6 +24,9 @@ static TABLE: OnceLock<Vec<Entry>> = OnceLock::new();
 /// Share of the light from all directions that a white furnace would send to the viewer by the GGX lobe: what the
 /// lobe reflects in total, E(cos θo). At most 0.005 too low and 0.01 too high; the table is made at first use.
 pub fn ggx(fresnel: &Schlick, cos_o: f32, alpha: f32) -> Vec3 {
+    if fresnel.f0 == Vec3::ZERO && fresnel.f90 == Vec3::ZERO {
+        return Vec3::ZERO;
+    }
     let entry = lookup(TABLE.get_or_init(make_table), cos_o, alpha);
     fresnel.f0 * entry.a + fresnel.f90 * entry.b
 }

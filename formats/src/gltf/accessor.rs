@@ -2,6 +2,7 @@
 
 use super::buffers::Buffers;
 use super::document::invalid;
+use super::layout::{Layout, extent};
 use crate::{ErrorCode, ImportError, Place};
 use gltf::json;
 use gltf::json::accessor::{ComponentType, Type};
@@ -15,64 +16,6 @@ const UNBACKED_ELEMENTS: usize = 1 << 16;
 pub(super) struct Accessors<'a> {
     pub(super) root: &'a json::Root,
     pub(super) buffers: &'a Buffers,
-}
-
-/// Equally spaced elements; each lies wholly within `bytes`.
-struct Layout<'a> {
-    bytes: &'a [u8],
-    stride: usize,
-    count: usize,
-}
-
-impl Layout<'_> {
-    /// Element `i` of `N` components of `S` bytes.
-    fn get<const S: usize, const N: usize>(&self, i: usize) -> [[u8; S]; N] {
-        let at = self.bytes.get(i.saturating_mul(self.stride)..).unwrap_or_default();
-        at.as_chunks().0.first_chunk().copied().unwrap_or([[0; S]; N])
-    }
-
-    fn read<const S: usize, const N: usize, T: Copy>(
-        &self,
-        select: Option<&[u32]>,
-        decode: impl Fn([u8; S]) -> T,
-    ) -> Vec<[T; N]> {
-        match select {
-            Some(list) => list.iter().map(|i| self.get(*i as usize).map(&decode)).collect(),
-            // Tightly packed: one straight pass over the bytes.
-            None if self.stride == S * N => {
-                self.bytes.as_chunks().0.as_chunks().0.iter().take(self.count).map(|e| e.map(&decode)).collect()
-            }
-            None => (0..self.count).map(|i| self.get(i).map(&decode)).collect(),
-        }
-    }
-
-    fn floats<const N: usize>(
-        &self,
-        kind: ComponentType,
-        normalized: bool,
-        select: Option<&[u32]>,
-    ) -> Option<Vec<[f32; N]>> {
-        // glTF 2.0, 3.6.2.2: normalised integers are c / max, and signed ones at least −1.
-        let signed = |x: f32, max: f32| if normalized { (x / max).max(-1.0) } else { x };
-        let unsigned = |x: f32, max: f32| if normalized { x / max } else { x };
-        Some(match kind {
-            ComponentType::F32 => self.read(select, f32::from_le_bytes),
-            ComponentType::I8 => self.read(select, |b| signed(f32::from(i8::from_le_bytes(b)), 127.0)),
-            ComponentType::U8 => self.read(select, |b| unsigned(f32::from(u8::from_le_bytes(b)), 255.0)),
-            ComponentType::I16 => self.read(select, |b| signed(f32::from(i16::from_le_bytes(b)), 32767.0)),
-            ComponentType::U16 => self.read(select, |b| unsigned(f32::from(u16::from_le_bytes(b)), 65535.0)),
-            ComponentType::U32 => return None,
-        })
-    }
-
-    fn integers<const N: usize>(&self, kind: ComponentType, select: Option<&[u32]>) -> Option<Vec<[u32; N]>> {
-        Some(match kind {
-            ComponentType::U8 => self.read(select, |[b]: [u8; 1]| u32::from(b)),
-            ComponentType::U16 => self.read(select, |b| u32::from(u16::from_le_bytes(b))),
-            ComponentType::U32 => self.read(select, u32::from_le_bytes),
-            _ => return None,
-        })
-    }
 }
 
 type Element<'a> = (&'a json::Accessor, ComponentType, Type);
@@ -107,6 +50,22 @@ impl<'a> Accessors<'a> {
     /// Whether the accessor is all zeros by its own account: no buffer view, nothing sparse.
     pub(super) fn is_blank(&self, index: usize) -> bool {
         self.root.accessors.get(index).is_some_and(|a| a.buffer_view.is_none() && a.sparse.is_none())
+    }
+
+    /// Refuses an accessor that claims far more elements than the file stores, so that nothing is allocated on its
+    /// mere word. For those whose count nothing else in the file bears out.
+    ///
+    /// # Errors
+    /// [`ErrorCode::Invalid`] at the accessor's count.
+    pub(super) fn check_backed(&self, index: usize, from: &dyn Fn() -> String) -> Result<(), ImportError> {
+        let count = self.count(index, from)?;
+        let accessor = self.root.accessors.get(index).filter(|a| a.buffer_view.is_none());
+        let Some(accessor) = accessor else { return Ok(()) };
+        let stored = accessor.sparse.as_ref().map_or(0, |s| usize::try_from(s.count.0).unwrap_or(usize::MAX));
+        if count <= stored.saturating_mul(16).saturating_add(UNBACKED_ELEMENTS) {
+            return Ok(());
+        }
+        Err(invalid(format!("/accessors/{index}/count"), format!("claims {count} elements and stores {stored}")))
     }
 
     /// Whether the elements have so many components.
@@ -172,15 +131,8 @@ impl<'a> Accessors<'a> {
                 let layout = self.layout(view, offset, count, size, &|| format!("{}/bufferView", pointer()))?;
                 decode(&layout, select).ok_or_else(misfit)?
             }
-            None => {
-                let stored = accessor.sparse.as_ref().map_or(0, |s| usize::try_from(s.count.0).unwrap_or(usize::MAX));
-                let len = select.map_or(count, <[u32]>::len);
-                if len > stored.saturating_mul(16).saturating_add(UNBACKED_ELEMENTS) {
-                    let message = format!("claims {count} elements and stores {stored}");
-                    return Err(invalid(format!("{}/count", pointer()), message));
-                }
-                vec![zero; len]
-            }
+            // The callers see to it that no more is claimed than the file has data for: `Accessors::check_backed`.
+            None => vec![zero; select.map_or(count, <[u32]>::len)],
         };
         let Some(sparse) = &accessor.sparse else {
             return Ok(values);
@@ -220,57 +172,62 @@ impl<'a> Accessors<'a> {
         size: usize,
         from: &dyn Fn() -> String,
     ) -> Result<Layout<'a>, ImportError> {
-        let view_index = view.value();
+        let index = view.value();
         let view = self.buffers.view(self.root, view, from)?;
         let stride = view.stride.unwrap_or(size);
-        if stride < size {
-            let message = format!("{stride} bytes are less than an element's {size}");
-            return Err(invalid(format!("/bufferViews/{view_index}/byteStride"), message));
-        }
-        let len = match count {
-            0 => Some(0),
-            n => (n - 1).checked_mul(stride).and_then(|l| l.checked_add(size)),
-        };
-        let start = usize::try_from(offset).ok();
-        let bytes = start.zip(len).and_then(|(start, len)| view.bytes.get(start..start.checked_add(len)?)).ok_or_else(
-            || {
-                let available = view.bytes.len();
-                invalid(from(), format!("{count} elements from byte {offset} lie outside the view's {available} bytes"))
-            },
-        )?;
-        Ok(Layout { bytes, stride, count })
+        let (start, end) = extent(index, view.bytes.len(), stride, offset, count, size, from)?;
+        Ok(Layout { bytes: view.bytes.get(start..end).unwrap_or_default(), stride, count })
     }
 
-    /// Checks every accessor's references and ranges, used or not: one that does not fit tells of a damaged file.
+    /// Checks the references and stated ranges of every buffer view and accessor, used or not: one that does not fit
+    /// tells of a damaged file. Placeholder buffers without data pass; they are an error for those only who read them.
     ///
     /// # Errors
     /// [`ErrorCode::Invalid`] at the JSON pointer of what does not fit.
     pub(super) fn check_all(&self) -> Result<(), ImportError> {
-        let absent = |view: &json::Index<json::buffer::View>| {
-            let view = self.root.buffer_views.get(view.value());
-            view.is_some_and(|v| {
-                self.root.buffers.len() > v.buffer.value() && self.buffers.bytes(v.buffer.value()).is_none()
-            })
-        };
-        for i in 0..self.root.buffer_views.len() {
-            let view = json::Index::new(u32::try_from(i).unwrap_or(u32::MAX));
-            // Placeholders are an error for those only who read them.
-            if !absent(&view) {
-                self.buffers.view(self.root, view, &|| format!("/bufferViews/{i}"))?;
-            }
+        for (i, view) in self.root.buffer_views.iter().enumerate() {
+            Buffers::check_view(self.root, view, i)?;
         }
         for (i, accessor) in self.root.accessors.iter().enumerate() {
             let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_) else {
                 continue;
             };
-            if let Some(view) = accessor.buffer_view.filter(|v| !absent(v)) {
-                let pointer = || format!("/accessors/{i}");
-                let size = component.0.size() * kind.multiplicity();
+            let pointer = |name: &str| format!("/accessors/{i}/{name}");
+            let size = component.0.size() * kind.multiplicity();
+            let count = self.count(i, &|| pointer("count"))?;
+            if let Some(view) = accessor.buffer_view {
                 let offset = accessor.byte_offset.map_or(0, |o| o.0);
-                let count = self.count(i, &pointer)?;
-                self.layout(view, offset, count, size, &|| format!("{}/bufferView", pointer()))?;
+                self.check_range(view, offset, count, size, &|| pointer("bufferView"))?;
             }
+            let Some(sparse) = &accessor.sparse else { continue };
+            let stored = usize::try_from(sparse.count.0)
+                .ok()
+                .filter(|n| *n <= count)
+                .ok_or_else(|| invalid(pointer("sparse/count"), format!("{} of {count} elements", sparse.count.0)))?;
+            if let Checked::Valid(index) = sparse.indices.component_type {
+                let (view, offset) = (sparse.indices.buffer_view, sparse.indices.byte_offset.0);
+                self.check_range(view, offset, stored, index.0.size(), &|| pointer("sparse/indices"))?;
+            }
+            let (view, offset) = (sparse.values.buffer_view, sparse.values.byte_offset.0);
+            self.check_range(view, offset, stored, size, &|| pointer("sparse/values"))?;
         }
         Ok(())
+    }
+
+    fn check_range(
+        &self,
+        view: json::Index<json::buffer::View>,
+        offset: u64,
+        count: usize,
+        size: usize,
+        from: &dyn Fn() -> String,
+    ) -> Result<(), ImportError> {
+        let views = &self.root.buffer_views;
+        let Some(found) = views.get(view.value()) else {
+            return Err(invalid(from(), format!("buffer view {view} of {}", views.len())));
+        };
+        let len = usize::try_from(found.byte_length.0).unwrap_or(usize::MAX);
+        let stride = found.byte_stride.map_or(size, |s| s.0);
+        extent(view.value(), len, stride, offset, count, size, from).map(|_| ())
     }
 }

@@ -88,20 +88,35 @@ impl Buffers {
         let Some(view) = root.buffer_views.get(index) else {
             return Err(invalid(from(), format!("buffer view {index} of {}", root.buffer_views.len())));
         };
+        let range = Self::check_view(root, view, index)?;
         let buffer = view.buffer.value();
-        if buffer >= root.buffers.len() {
-            let message = format!("buffer {buffer} of {}", root.buffers.len());
-            return Err(invalid(format!("/bufferViews/{index}/buffer"), message));
-        }
-        let Some(bytes) = self.bytes(buffer) else {
+        let bytes = self.bytes(buffer).and_then(|bytes| bytes.get(range));
+        let Some(bytes) = bytes else {
             return Err(invalid(format!("/buffers/{buffer}/uri"), "the buffer has no data"));
         };
-        let (offset, length) = (view.byte_offset.map_or(0, |o| o.0), view.byte_length.0);
-        let range = usize::try_from(offset).ok().zip(offset.checked_add(length).and_then(|e| usize::try_from(e).ok()));
-        let bytes = range.and_then(|(start, end)| bytes.get(start..end)).ok_or_else(|| {
-            let message = format!("{length} bytes from {offset} lie outside the buffer's {}", bytes.len());
-            invalid(format!("/bufferViews/{index}"), message)
-        })?;
         Ok(View { bytes, stride: view.byte_stride.map(|s| s.0) })
+    }
+
+    /// The range of a view in its buffer, which has the length that it states, or none.
+    ///
+    /// # Errors
+    /// [`ErrorCode::Invalid`] when there is no such buffer, or the view lies outside it.
+    pub(super) fn check_view(
+        root: &json::Root,
+        view: &json::buffer::View,
+        index: usize,
+    ) -> Result<Range<usize>, ImportError> {
+        let buffer = view.buffer.value();
+        let Some(found) = root.buffers.get(buffer) else {
+            let message = format!("buffer {buffer} of {}", root.buffers.len());
+            return Err(invalid(format!("/bufferViews/{index}/buffer"), message));
+        };
+        let (offset, length) = (view.byte_offset.map_or(0, |o| o.0), view.byte_length.0);
+        let end = offset.checked_add(length).filter(|end| *end <= found.byte_length.0);
+        let range = usize::try_from(offset).ok().zip(end.and_then(|e| usize::try_from(e).ok()));
+        range.map(|(start, end)| start..end).ok_or_else(|| {
+            let message = format!("{length} bytes from {offset} on lie outside the buffer's {}", found.byte_length.0);
+            invalid(format!("/bufferViews/{index}"), message)
+        })
     }
 }

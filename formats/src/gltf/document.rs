@@ -68,6 +68,15 @@ pub(super) fn read(document: &mut Value, report: &mut Report) -> Result<json::Ro
             scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
         }
     }
+    for (i, node) in document.get_mut("nodes").and_then(Value::as_array_mut).into_iter().flatten().enumerate() {
+        let extensions = node.get_mut("extensions").and_then(Value::as_object_mut);
+        let light = |e: &Value| e.get("light").is_none_or(|l| !l.is_u64());
+        if let Some(extensions) = extensions.filter(|e| e.get("KHR_lights_punctual").is_some_and(light)) {
+            extensions.remove("KHR_lights_punctual");
+            let place = format!("/nodes/{i}/extensions/KHR_lights_punctual");
+            report.warn("invalid-light", place, "names no light and is ignored");
+        }
+    }
     let scene = match document.get("scene") {
         None => None,
         Some(value) => match value.as_u64().and_then(|i| u32::try_from(i).ok()) {
@@ -119,12 +128,20 @@ pub(super) fn read(document: &mut Value, report: &mut Report) -> Result<json::Ro
     })
 }
 
-/// Removes what the typed model would stumble over or misread: application data (`extras`), integers written as
+/// Removes what the typed model would stumble over or misread: application data (`extras`), names that are no text, extensions that are no objects, integers written as
 /// `3.0`, and integers beyond 32 bits, which it would cut off (they become floats, which it refuses as indices).
 fn normalize(value: &mut Value, key: &str) {
     match value {
         Value::Object(members) => {
             members.remove("extras");
+            if members.get("name").is_some_and(|name| !name.is_string()) {
+                members.remove("name");
+            }
+            match members.get_mut("extensions") {
+                Some(Value::Object(extensions)) => extensions.retain(|_, extension| extension.is_object()),
+                Some(_) => drop(members.remove("extensions")),
+                None => {}
+            }
             members.iter_mut().for_each(|(key, member)| normalize(member, key));
         }
         Value::Array(items) => items.iter_mut().for_each(|item| normalize(item, key)),

@@ -72,5 +72,5 @@ fn normals(mesh: &mut Mesh, place: &str, report: &mut Report) {
     replace(&mut mesh.normals, usable, [0.0, 0.0, 1.0]);
     let count = bad.iter().filter(|b| **b).count();
     let message = format!("{count} values have no direction and follow the faces");
-    report.warn("not-finite", format!("{place}/attributes/NORMAL"), message);
+    report.warn("bad-normals", format!("{place}/attributes/NORMAL"), message);
 }

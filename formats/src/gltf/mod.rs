@@ -10,6 +10,7 @@ mod cameras;
 mod container;
 mod document;
 mod extensions;
+mod layout;
 mod lights;
 mod materials;
 mod mend;
@@ -22,7 +23,7 @@ mod triangles;
 mod uri;
 
 use crate::scene::{Instance, Scene, UpAxis};
-use crate::{Control, ErrorCode, ImportError, Resources, Warning};
+use crate::{Control, ErrorCode, ImportError, Place, Resources, Warning};
 use accessor::Accessors;
 use buffers::Buffers;
 use glam::DAffine3;
@@ -82,9 +83,6 @@ fn read(
         scene.cameras.extend(cameras::at_node(&root, *node, &world, report));
         scene.lights.extend(lights::at_node(&root, *node, &world, report));
     }
-    if scene.instances.is_empty() {
-        return Err(ImportError::new(ErrorCode::Empty, "has no triangle to draw"));
-    }
     scene.materials = materials.list;
     materials.textures.load(&root, &buffers, resources, &mut scene, report, control)?;
     Ok(scene)
@@ -109,7 +107,14 @@ fn geometry(
     check_size(&accessors, &hierarchy.shown, resources.limits().max_triangles)?;
     let mut materials = Materials::default();
     let mut poses: BTreeMap<PoseKey, Vec<Placed>> = BTreeMap::new();
-    let mut reader = Reader { accessors, report, control, points_or_lines: 0, first_points_or_lines: String::new() };
+    let mut reader = Reader {
+        accessors,
+        report,
+        control,
+        points_or_lines: 0,
+        first_points_or_lines: String::new(),
+        first_nothing: None,
+    };
     for index in &hierarchy.shown {
         let Some(node) = root.nodes.get(*index) else { continue };
         let Some(mesh) = node.mesh.map(|m| m.value()) else { continue };
@@ -145,7 +150,21 @@ fn geometry(
         let place = reader.first_points_or_lines.clone();
         reader.report.once("points-or-lines-not-drawn", place, message);
     }
+    if scene.instances.is_empty() {
+        return Err(nothing(&reader));
+    }
     Ok(materials)
+}
+
+fn nothing(reader: &Reader) -> ImportError {
+    let empty = |why: &str| ImportError::new(ErrorCode::Empty, format!("has no triangle to draw{why}"));
+    match &reader.first_nothing {
+        Some((place, why)) => empty(&format!(": {why}")).at(Place::Json(place.clone())),
+        None if reader.points_or_lines > 0 => {
+            empty(", only points or lines").at(Place::Json(reader.first_points_or_lines.clone()))
+        }
+        None => empty(""),
+    }
 }
 
 fn read_mesh(
@@ -198,8 +217,12 @@ fn check_size(accessors: &Accessors, shown: &[usize], max_triangles: u64) -> Res
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let Checked::Valid(mode) = primitive.mode else { continue };
             let positions = primitive.attributes.get(&Checked::Valid(json::mesh::Semantic::Positions));
-            let Some(counted) = primitive.indices.or(positions.copied()) else { continue };
-            let count = accessors.count(counted.value(), &|| format!("/meshes/{m}/primitives/{p}"))?;
+            let (counted, name) = match (primitive.indices, positions) {
+                (Some(indices), _) => (indices, "indices"),
+                (None, Some(positions)) => (*positions, "attributes/POSITION"),
+                (None, None) => continue,
+            };
+            let count = accessors.count(counted.value(), &|| format!("/meshes/{m}/primitives/{p}/{name}"))?;
             size = size.saturating_add(triangles::upper_bound(mode, count));
         }
         sizes.push(size);

@@ -51,9 +51,13 @@ pub(super) fn joints(
     };
     let origin = worlds.first().map_or(DVec3::ZERO, |w| w.translation);
     let inverse_bind = accessors.root.skins.get(skin).and_then(|s| s.inverse_bind_matrices);
+    let at = || format!("{place}/inverseBindMatrices");
     let binds = match inverse_bind {
-        Some(index) => accessors.floats::<16>(index.value(), None, &|| format!("{place}/inverseBindMatrices"))?,
-        None => Vec::new(),
+        Some(index) if accessors.count(index.value(), &at)? >= worlds.len() => {
+            let select: Vec<u32> = (0..worlds.len() as u32).collect();
+            accessors.floats::<16>(index.value(), Some(&select), &at)?
+        }
+        _ => Vec::new(),
     };
     if worlds.is_empty() || (inverse_bind.is_some() && binds.len() < worlds.len()) || !origin.is_finite() {
         report.warn("skin-ignored", place, "lacks joints or matrices: the mesh is shown without the skin");

@@ -18,6 +18,8 @@ pub(super) struct Reader<'a, 'r> {
     /// Primitives of points or lines seen, and the first one's place.
     pub(super) points_or_lines: usize,
     pub(super) first_points_or_lines: String,
+    /// Why the first primitive that came to nothing did, and its place.
+    pub(super) first_nothing: Option<(String, &'static str)>,
 }
 
 /// What was read: the mesh without name and material, and whether its pose is in world space about `Pose::origin`.
@@ -31,6 +33,11 @@ fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
 }
 
 impl Reader<'_, '_> {
+    fn nothing(&mut self, place: String, why: &'static str) {
+        self.report.warn("nothing-to-draw", place.clone(), why);
+        self.first_nothing.get_or_insert((place, why));
+    }
+
     /// Reads a primitive; `None` when it has nothing to draw. `tangents`: whether given tangents are wanted.
     ///
     /// # Errors
@@ -54,7 +61,7 @@ impl Reader<'_, '_> {
             return Ok(None);
         }
         let Some(position) = attribute(primitive, Semantic::Positions) else {
-            self.report.warn("nothing-to-draw", format!("{place}/attributes"), "there is no POSITION");
+            self.nothing(format!("{place}/attributes"), "there is no POSITION");
             return Ok(None);
         };
         let position_at = || format!("{place}/attributes/POSITION");
@@ -65,12 +72,15 @@ impl Reader<'_, '_> {
             if compressed {
                 return Err(invalid(position_at(), "is compressed by KHR_draco_mesh_compression, which is not read"));
             }
-            self.report.warn("nothing-to-draw", position_at(), "all positions are zero");
+            self.nothing(position_at(), "all positions are zero");
             return Ok(None);
+        }
+        if primitive.indices.is_none() {
+            self.accessors.check_backed(position, &position_at)?;
         }
         let mut triangles = self.triangles(primitive, mode, count, place)?;
         if triangles.is_empty() {
-            self.report.warn("nothing-to-draw", place, "there are no triangles");
+            self.nothing(place.to_owned(), "there are no triangles");
             return Ok(None);
         }
         let select = triangles::compact(&mut triangles, count);
@@ -103,7 +113,7 @@ impl Reader<'_, '_> {
         }
         super::mend::mend(&mut mesh, place, self.report);
         if mesh.triangles.is_empty() {
-            self.report.warn("nothing-to-draw", place, "no triangle is left");
+            self.nothing(place.to_owned(), "no triangle is left");
             return Ok(None);
         }
         Ok(Some(Posed { mesh, skinned }))
@@ -118,11 +128,14 @@ impl Reader<'_, '_> {
     ) -> Result<Vec<[u32; 3]>, ImportError> {
         let indices_at = || format!("{place}/indices");
         let indices: Vec<u32> = match primitive.indices {
-            Some(index) => self.accessors.integers::<1>(index.value(), None, &indices_at)?.into_flattened(),
+            Some(index) => {
+                self.accessors.check_backed(index.value(), &indices_at)?;
+                self.accessors.integers::<1>(index.value(), None, &indices_at)?.into_flattened()
+            }
             // `count` fits 32 bits.
             None => (0..count as u32).collect(),
         };
-        if mode == Mode::Triangles && indices.len() % 3 != 0 {
+        if mode == Mode::Triangles && !indices.len().is_multiple_of(3) {
             let message = format!("{} corners are no whole triangles; the last are left out", indices.len());
             self.report.warn("incomplete-triangle", place, message);
         }

@@ -29,9 +29,15 @@ fn resolve(word: &[u8], count: u32) -> Index {
 
 /// How a face statement ended.
 enum Verdict {
-    Sound { uvs: bool, normals: bool, verbatim: bool, note: Option<&'static str> },
+    Sound {
+        uvs: bool,
+        normals: bool,
+        verbatim: bool,
+        note: Option<&'static str>,
+    },
     Later,
-    Bad(&'static str),
+    /// Warning code and reason.
+    Bad(&'static str, &'static str),
 }
 
 impl Scanner {
@@ -76,14 +82,14 @@ impl Scanner {
             let vt = look_ahead(part(), counts.texcoords, total.texcoords);
             let vn = look_ahead(part(), counts.normals, total.normals);
             if parts.next().is_some() {
-                return Verdict::Bad("has a corner of more than three indices");
+                return Verdict::Bad("bad-face", "has a corner of more than three indices");
             }
             if [v, vt, vn].contains(&Index::Ahead) {
                 return Verdict::Later;
             }
-            let Index::Sound(v) = v else { return Verdict::Bad("refers to a vertex that does not exist") };
+            let Index::Sound(v) = v else { return Verdict::Bad("bad-index", "refers to a vertex that does not exist") };
             if self.bad_positions.binary_search(&v).is_ok() {
-                return Verdict::Bad("refers to a bad vertex");
+                return Verdict::Bad("bad-index", "refers to a bad vertex");
             }
             if vt == Index::Bad || vn == Index::Bad {
                 note = Some("refers to a texture coordinate or normal that does not exist; drawn without");
@@ -95,7 +101,7 @@ impl Scanner {
             self.corners.push([v, vt, vn]);
         }
         if self.corners.len() < 3 {
-            return Verdict::Bad("has fewer than three corners");
+            return Verdict::Bad("bad-face", "has fewer than three corners");
         }
         // What only some of the corners have cannot be used.
         let stripped = |on: bool, k: usize| !on && self.corners.iter().any(|c| c[k] != 0);
@@ -109,12 +115,11 @@ impl Scanner {
         let (uvs, normals, verbatim, note) = match verdict {
             Verdict::Sound { uvs, normals, verbatim, note } => (uvs, normals, verbatim, note),
             Verdict::Later => return,
-            Verdict::Bad(why) => {
+            Verdict::Bad(code, why) => {
                 // Deferred faces come last, but may stand first.
                 if self.first_bad_face.as_ref().is_none_or(|(first, _)| line < *first) {
                     self.first_bad_face = Some((line, format!("'f{}' {why}", short(corners))));
                 }
-                let code = if why.contains("refers") { "bad-index" } else { "bad-face" };
                 return log.warn(code, line, || format!("'f{}' {why}; left out", short(corners)));
             }
         };

@@ -131,10 +131,13 @@ fn triangulate(
     let positions = mesh.positions.as_chunks::<3>().0;
     let mut triangles = Vec::with_capacity(mesh.indices.len().saturating_sub(2 * mesh.face_arities.len()));
     let (mut rest, mut corners) = (mesh.indices.as_slice(), Vec::new());
-    for (k, arity) in mesh.face_arities.iter().enumerate() {
+    let mut since_check = 0;
+    for arity in &mesh.face_arities {
         let Some((face, tail)) = rest.split_at_checked(*arity as usize) else { break };
         rest = tail;
-        if k % 4096 == 0 {
+        since_check += face.len();
+        if since_check > 8192 {
+            since_check = 0;
             control.check()?;
         }
         if let [a, b, c] = face {

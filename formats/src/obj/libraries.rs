@@ -4,7 +4,10 @@ use super::log::Log;
 use super::mtl::{self, Mtl};
 use super::text;
 use crate::{Control, ErrorCode, ImportError, Resources};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
+
+/// Statements and names that are looked at.
+const MOST: usize = 1000;
 
 /// All materials of the libraries, by name; of two with one name the later counts.
 #[derive(Default)]
@@ -26,15 +29,19 @@ impl Libraries {
         control: &Control,
     ) -> Result<Self, ImportError> {
         let mut libraries = Self { by_name: HashMap::new(), complete: true };
-        let mut seen: Vec<&str> = Vec::new();
+        // Some exporters repeat the statement for every object.
+        let mut seen: BTreeSet<String> = BTreeSet::new();
         for (line, operands) in statements {
             control.check()?;
-            // Some exporters repeat the statement for every object.
-            if seen.contains(&operands.as_str()) || seen.len() > 1000 {
+            if seen.contains(operands) || seen.len() > MOST {
                 continue;
             }
-            seen.push(operands);
-            for name in names(operands, resources) {
+            let names = names(operands, resources);
+            seen.insert(operands.clone());
+            for name in names {
+                if name != *operands && !seen.insert(name.clone()) || seen.len() > MOST {
+                    continue;
+                }
                 match read(&name, resources) {
                     Ok((file, bytes)) => libraries.add(&file, bytes, log),
                     Err(error) if error.code == ErrorCode::TooLarge => return Err(error),
@@ -81,7 +88,8 @@ fn names(operands: &str, resources: &Resources) -> Vec<String> {
         if !name.is_empty() {
             name.push(' ');
         }
-        name.push_str(word);
+        // Some write `my\ name.mtl`.
+        name.push_str(word.strip_suffix('\\').unwrap_or(word));
         if word.to_ascii_lowercase().ends_with(".mtl") {
             names.push(std::mem::take(&mut name));
         }

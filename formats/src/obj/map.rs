@@ -2,16 +2,30 @@
 
 use super::number::value;
 use crate::scene::{Channel, UvTransform};
+use std::fmt;
+use std::sync::Arc;
+
+/// A line of an MTL file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Origin {
+    /// The file, as the OBJ file refers to it.
+    pub(super) library: Arc<str>,
+    pub(super) line: u32,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.library, self.line)
+    }
+}
 
 /// A texture statement.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Map {
     /// The file name as it stands.
     pub(super) file: String,
-    /// The MTL file; its folder is where names are looked for first.
-    pub(super) library: String,
-    /// File and line.
-    pub(super) place: String,
+    /// Where it stands; the folder of the MTL file is where names are looked for first.
+    pub(super) place: Origin,
     /// `-o`.
     pub(super) offset: [f32; 2],
     /// `-s`.
@@ -57,11 +71,10 @@ fn split_word(text: &str) -> Option<(&str, &str)> {
 
 impl Map {
     /// `None` when no file is named.
-    pub(super) fn parse(operands: &str, library: &str, place: &str) -> Option<Self> {
+    pub(super) fn parse(operands: &str, place: &Origin) -> Option<Self> {
         let mut map = Self {
             file: String::new(),
-            library: library.into(),
-            place: place.into(),
+            place: place.clone(),
             offset: [0.0; 2],
             scale: [1.0; 2],
             strength: 1.0,
@@ -142,7 +155,7 @@ mod tests {
     use super::*;
 
     fn parse(operands: &str) -> Map {
-        Map::parse(operands, "a.mtl", "a.mtl:1").unwrap()
+        Map::parse(operands, &Origin::default()).unwrap()
     }
 
     #[test]
@@ -161,8 +174,8 @@ mod tests {
         for (operands, file) in cases {
             assert_eq!(parse(operands).file, file, "{operands}");
         }
-        assert_eq!(Map::parse("-s 1 1 1", "", ""), None);
-        assert_eq!(Map::parse("  ", "", ""), None);
+        assert_eq!(Map::parse("-s 1 1 1", &Origin::default()), None);
+        assert_eq!(Map::parse("  ", &Origin::default()), None);
         let map = parse("-imfchan g bump map.jpg -bm 1.5 -clamp on");
         assert_eq!((map.channel, map.strength, map.clamp), (Some(Channel::G), 1.5, true));
     }

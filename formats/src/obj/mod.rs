@@ -20,6 +20,7 @@ mod number;
 mod scan;
 mod text;
 mod textures;
+mod vertices;
 
 use crate::scene::{Instance, MaterialId, Mesh, UpAxis};
 use crate::{Control, ImportError, Resources, Scene, Warning};

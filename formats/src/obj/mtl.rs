@@ -3,17 +3,18 @@
 //! `tobj`'s own panics on legal statements (`Kd 0.5`, an empty `Ka`) and leaves texture options in the file names.
 
 use super::log::Log;
-use super::map::Map;
+use super::map::{Map, Origin};
 use super::number::{Words, value};
 use super::text::Lines;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// One `newmtl` with the values that the file gives.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mtl {
     pub(super) name: String,
-    /// File and line of `newmtl`.
-    pub(super) place: String,
+    /// Where its `newmtl` stands.
+    pub(super) place: Origin,
     pub(super) diffuse: Option<[f32; 3]>,
     pub(super) specular: Option<[f32; 3]>,
     pub(super) emission: Option<[f32; 3]>,
@@ -62,7 +63,7 @@ const LOBES: [&str; 9] = ["ps", "pc", "pcr", "aniso", "anisor", "pe", "tf_thin",
 
 /// Parses the text of one MTL file. `file` is its name as the OBJ file gives it: texture names are relative to it.
 pub(super) fn parse(text: &str, file: &str, log: &mut Log) -> Vec<Mtl> {
-    let mut parser = Parser { file, materials: Vec::new(), warned: BTreeSet::new(), log };
+    let mut parser = Parser { library: file.into(), materials: Vec::new(), warned: BTreeSet::new(), log };
     let mut lines = Lines::new(text);
     while let Some((line, statement)) = lines.next() {
         let mut words = Words::new(statement);
@@ -74,17 +75,17 @@ pub(super) fn parse(text: &str, file: &str, log: &mut Log) -> Vec<Mtl> {
     parser.materials
 }
 
-struct Parser<'a, 'b, 'c> {
-    file: &'a str,
+struct Parser<'b, 'c> {
+    library: Arc<str>,
     materials: Vec<Mtl>,
     warned: BTreeSet<String>,
     log: &'b mut Log<'c>,
 }
 
-impl Parser<'_, '_, '_> {
+impl Parser<'_, '_> {
     fn statement(&mut self, line: u32, keyword: &str, operands: &str) {
         let word = keyword.to_ascii_lowercase();
-        let place = format!("{}:{line}", self.file);
+        let place = Origin { library: self.library.clone(), line };
         if word == "newmtl" {
             let name = operands.trim().to_owned();
             self.materials.push(Mtl { name, place, ..Mtl::default() });
@@ -92,7 +93,7 @@ impl Parser<'_, '_, '_> {
         }
         // What stands before the first `newmtl` belongs to none.
         let Some(m) = self.materials.last_mut() else { return };
-        let map = || Map::parse(operands, self.file, &place);
+        let map = || Map::parse(operands, &place);
         match word.as_str() {
             "kd" => set(&mut m.diffuse, color(operands)),
             "ks" => set(&mut m.specular, color(operands)),
@@ -122,7 +123,7 @@ impl Parser<'_, '_, '_> {
         }
     }
 
-    fn other(&mut self, word: &str, keyword: &str, operands: &str, place: &str) {
+    fn other(&mut self, word: &str, keyword: &str, operands: &str, place: &Origin) {
         let off = LOBES.contains(&word) && Words::new(operands).filter_map(value).all(|x| x == 0.0);
         if HARMLESS.contains(&word) || off || self.warned.len() >= 64 || !self.warned.insert(word.to_owned()) {
             return;

@@ -1,8 +1,9 @@
 //! The reader in front of `tobj`: checks every statement with its line and passes on what is sound.
 
 use super::log::Log;
-use super::number::{Decimal, Words, decimal, value};
+use super::number::Words;
 use super::text::Lines;
+use super::vertices::with_all_colors;
 use crate::{Control, ErrorCode, ImportError, Place};
 use std::collections::{BTreeMap, HashMap};
 
@@ -73,33 +74,10 @@ pub(super) struct Scanner {
 const FREE_FORM: [&str; 11] = ["curv", "curv2", "surf", "bzp", "bsp", "cdc", "cdp", "res", "con", "call", "csh"];
 
 /// Statements that change nothing in a picture of polygons.
-const HARMLESS: [&str; 26] = [
-    "s",
-    "mg",
-    "vp",
-    "deg",
-    "bmat",
-    "step",
-    "cstype",
-    "parm",
-    "trim",
-    "hole",
-    "scrv",
-    "sp",
-    "end",
-    "bevel",
-    "c_interp",
-    "d_interp",
-    "lod",
-    "shadow_obj",
-    "trace_obj",
-    "ctech",
-    "stech",
-    "maplib",
-    "usemap",
-    "vw",
-    "g",
-    "o",
+#[rustfmt::skip]
+const HARMLESS: [&str; 24] = [
+    "s", "mg", "vp", "deg", "bmat", "step", "cstype", "parm", "trim", "hole", "scrv", "sp", "end", "bevel", "c_interp",
+    "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "maplib", "usemap", "vw",
 ];
 
 /// Reads the whole text.
@@ -150,7 +128,8 @@ impl Scanner {
             b"f" | b"fo" => self.face(line, operands, log),
             b"l" => self.skip("lines", line),
             b"p" => self.skip("points", line),
-            b"o" | b"g" => self.name = operands.trim().to_owned(),
+            // Not longer than is of use: every face that waits keeps a copy.
+            b"o" | b"g" => self.name = operands.trim().chars().take(200).collect(),
             b"usemtl" => self.use_material(line, operands.trim()),
             b"mtllib" => self.scan.libraries.push((line, operands.trim().to_owned())),
             _ => {
@@ -179,92 +158,6 @@ impl Scanner {
         self.material = Some(index);
     }
 
-    fn position(&mut self, line: u32, operands: &str, log: &mut Log) {
-        self.counts.positions += 1;
-        let mut words = Words::new(operands);
-        let sound = (0..3).all(|_| words.next().is_some_and(|w| decimal(w).is_some()));
-        let end = words.end();
-        let out = &mut self.scan.vertices;
-        out.extend_from_slice(b"v");
-        if !sound {
-            out.extend_from_slice(b" 0 0 0\n");
-            self.bad_positions.push(self.counts.positions);
-            let text =
-                || format!("'v{}' is no position of three finite numbers; its faces are left out", short(operands));
-            return log.warn("bad-vertex", line, text);
-        }
-        let Some(fourth) = words.next() else {
-            out.extend_from_slice(operands.get(..end).unwrap_or("").as_bytes());
-            return out.push(b'\n');
-        };
-        let rest = [Some(fourth), words.next(), words.next()];
-        let weight = rest[1].is_none().then(|| value(fourth)).flatten().filter(|w| *w != 0.0 && *w != 1.0);
-        if let Some(weight) = weight {
-            // Homogeneous coordinates.
-            for word in Words::new(operands).take(3) {
-                let quotient = value(word).unwrap_or(0.0) / weight;
-                let kept = if quotient.abs() <= super::number::LARGEST { quotient } else { 0.0 };
-                out.extend_from_slice(format!(" {kept}").as_bytes());
-            }
-            return out.push(b'\n');
-        }
-        out.extend_from_slice(operands.get(..end).unwrap_or("").as_bytes());
-        if let [Some(r), Some(g), Some(b)] = rest {
-            let sound = [r, g, b].iter().all(|w| decimal(w).is_some());
-            let color = if sound { [r, g, b] } else { [b"1".as_slice(); 3] };
-            for word in color {
-                out.push(b' ');
-                out.extend_from_slice(word);
-            }
-            self.colored += 1;
-            if !sound {
-                log.warn("bad-vertex-color", line, || "a vertex colour is not a number; taken as white".into());
-            }
-        }
-        out.push(b'\n');
-    }
-
-    fn texcoord(&mut self, line: u32, operands: &str, log: &mut Log) {
-        self.counts.texcoords += 1;
-        let mut words = Words::new(operands);
-        let (u, v) = (words.next(), words.next().unwrap_or(b"0"));
-        let out = &mut self.scan.vertices;
-        match u {
-            Some(u) if decimal(u).is_some() && decimal(v).is_some() => {
-                out.extend_from_slice(b"vt ");
-                out.extend_from_slice(u);
-                out.push(b' ');
-                out.extend_from_slice(v);
-                out.push(b'\n');
-            }
-            _ => {
-                out.extend_from_slice(b"vt 0 0\n");
-                self.bad_texcoords.push(self.counts.texcoords);
-                log.warn("bad-vertex", line, || format!("'vt{}' is no texture coordinate; not used", short(operands)));
-            }
-        }
-    }
-
-    fn normal(&mut self, line: u32, operands: &str, log: &mut Log) {
-        self.counts.normals += 1;
-        let mut words = Words::new(operands);
-        let mut number = || words.next().and_then(decimal);
-        let kinds = [number(), number(), number()];
-        let end = words.end();
-        let out = &mut self.scan.vertices;
-        out.extend_from_slice(b"vn");
-        if kinds.iter().all(Option::is_some) && kinds.contains(&Some(Decimal::NotZero)) {
-            out.extend_from_slice(operands.get(..end).unwrap_or("").as_bytes());
-            return out.push(b'\n');
-        }
-        // Some tools write zeros where they know no normal: no cause for a warning.
-        out.extend_from_slice(b" 0 0 1\n");
-        self.bad_normals.push(self.counts.normals);
-        if kinds.contains(&None) {
-            log.warn("bad-vertex", line, || format!("'vn{}' is no normal of three numbers; not used", short(operands)));
-        }
-    }
-
     fn finish(mut self, log: &mut Log) -> Result<Scan, ImportError> {
         for (what, (line, count)) in &self.skipped {
             let free_form = *what == "free-form elements";
@@ -288,19 +181,6 @@ impl Scanner {
         }
         Ok(self.scan)
     }
-}
-
-fn with_all_colors(vertices: &[u8]) -> Vec<u8> {
-    let mut out = Vec::with_capacity(vertices.len() + vertices.len() / 4);
-    for line in vertices.split(|b| *b == b'\n').filter(|l| !l.is_empty()) {
-        out.extend_from_slice(line);
-        if line.first_chunk() == Some(b"v ") || line.first_chunk() == Some(b"v\t") {
-            let plain = std::str::from_utf8(line).is_ok_and(|l| Words::new(l).count() == 4);
-            out.extend_from_slice(if plain { b" 1 1 1" } else { b"" });
-        }
-        out.push(b'\n');
-    }
-    out
 }
 
 /// The beginning of a piece of the file, for messages.

@@ -7,6 +7,7 @@ use crate::{Control, ErrorCode, ImportError, Resources, images};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What is worth knowing about an image's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +25,7 @@ pub(super) struct Textures {
     pub(super) textures: Vec<Texture>,
     looks: Vec<Look>,
     /// By library and file name.
-    by_name: HashMap<(String, String), ImageId>,
+    by_name: HashMap<(Arc<str>, String), ImageId>,
     by_use: HashMap<(ImageId, bool, bool), TextureId>,
 }
 
@@ -45,7 +46,7 @@ impl Textures {
         let mut order: Vec<(&str, &str)> = Vec::new();
         for map in maps {
             control.check()?;
-            let key = (map.library.as_str(), map.file.as_str());
+            let key = (&*map.place.library, map.file.as_str());
             if wanted.contains_key(&key) {
                 continue;
             }
@@ -95,7 +96,7 @@ impl Textures {
 
     /// A map's image as a texture, if it could be loaded.
     pub(super) fn texture(&mut self, map: &Map, color_space: ColorSpace) -> Option<TextureRef> {
-        let image = *self.by_name.get(&(map.library.clone(), map.file.clone()))?;
+        let image = *self.by_name.get(&(map.place.library.clone(), map.file.clone()))?;
         let next = self.textures.len() as TextureId;
         let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
         let id = *self.by_use.entry((image, map.clamp, color_space == ColorSpace::Srgb)).or_insert(next);
@@ -107,7 +108,7 @@ impl Textures {
 
     /// What a map's image looks like, if it could be loaded.
     pub(super) fn look(&self, map: &Map) -> Option<Look> {
-        let image = self.by_name.get(&(map.library.clone(), map.file.clone()))?;
+        let image = self.by_name.get(&(map.place.library.clone(), map.file.clone()))?;
         self.looks.get(*image as usize).copied()
     }
 }
@@ -117,17 +118,23 @@ fn find(map: &Map, resources: &Resources) -> Result<(PathBuf, String), ImportErr
     let file = map.file.replace('\\', "/");
     let uncommented = map.file.split(" #").next().unwrap_or_default().trim().replace('\\', "/");
     let base = file.rsplit('/').next().unwrap_or_default();
-    let folder = map.library.replace('\\', "/");
+    let folder = map.place.library.replace('\\', "/");
     let folder = folder.rsplit_once('/').map_or("", |(folder, _)| folder);
-    let mut first_error = None;
+    let mut references: Vec<String> = Vec::new();
     for name in [file.as_str(), uncommented.as_str(), base] {
         for folder in [folder, ""] {
             let reference = if folder.is_empty() { name.to_owned() } else { format!("{folder}/{name}") };
-            match resources.resolve(&reference) {
-                Ok(path) if path.is_file() => return Ok((path, reference)),
-                Ok(_) => {}
-                Err(error) => drop(first_error.get_or_insert(error)),
+            if !references.contains(&reference) {
+                references.push(reference);
             }
+        }
+    }
+    let mut first_error = None;
+    for reference in references {
+        match resources.resolve(&reference) {
+            Ok(path) if path.is_file() => return Ok((path, reference)),
+            Ok(_) => {}
+            Err(error) => drop(first_error.get_or_insert(error)),
         }
     }
     let unnamed = || ImportError::new(ErrorCode::Io, "is not a file");
@@ -166,7 +173,9 @@ fn decode(files: &[(Vec<u8>, &Map)], max_texels: u64, control: &Control) -> Resu
             (image, look)
         })
     };
-    let decoded: Vec<Decoded> = files.par_iter().map(one).collect();
+    // A lone image is not worth waking other threads.
+    let decoded: Vec<Decoded> =
+        if files.len() > 1 { files.par_iter().map(one).collect() } else { files.iter().map(one).collect() };
     control.check()?;
     Ok(decoded)
 }

@@ -63,3 +63,25 @@ fn icosahedron_faces(corners: &[[f64; 3]]) -> Vec<[u32; 3]> {
     }
     faces
 }
+
+#[cfg(test)]
+mod tests {
+    use super::icosphere;
+
+    #[test]
+    fn every_level_is_a_closed_sphere() {
+        for levels in 0..=4 {
+            let (positions, triangles) = icosphere(levels);
+            assert_eq!(positions.len(), 10 * (1 << (2 * levels)) + 2);
+            assert_eq!(triangles.len(), 20 * (1 << (2 * levels)));
+            let mut edges: Vec<[u32; 2]> =
+                triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]).collect();
+            edges.sort_unstable();
+            for [a, b] in &edges {
+                assert!(edges.binary_search(&[*b, *a]).is_ok(), "level {levels}: edge {a}–{b} has one side only");
+            }
+            edges.dedup();
+            assert_eq!(edges.len(), 3 * triangles.len(), "level {levels}: an edge runs twice the same way");
+        }
+    }
+}

@@ -8,6 +8,7 @@ mod lights;
 mod materials;
 mod meshes;
 mod nesting;
+mod samples;
 mod shapes;
 mod textures;
 

@@ -1,6 +1,6 @@
 //! Transforms and groups.
 
-use super::{assert_fails, read_in, scene};
+use super::{assert_fails, read_in, scene, warnings};
 use glam::{DAffine3, DVec3};
 use kiln_formats::ErrorCode::{Invalid, Syntax, TooLarge};
 use kiln_formats::Limits;
@@ -25,6 +25,8 @@ fn each_transform_does_what_its_name_says() {
     assert_maps("rotate(1,1,1, 2.0943951023931953, box{})", [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     let rows = "transform((0,-1,0,10),(1,0,0,20),(0,0,1,30),(0,0,0,1), box{})";
     assert_maps(rows, [1.0, 2.0, 3.0], [8.0, 21.0, 33.0]);
+    assert_eq!(warnings(rows), [""; 0]);
+    assert_eq!(warnings("transform((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,1,1), box{})"), ["ignored-field"]);
 }
 
 #[test]

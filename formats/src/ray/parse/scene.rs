@@ -3,7 +3,7 @@ use super::{Parser, Result};
 use crate::ErrorCode;
 use crate::ray::lexer::{Lexer, Token, TokenKind};
 use crate::ray::source::{At, Offset, Source};
-use crate::ray::tree::{LightWord, Node};
+use crate::ray::tree::{LightWord, Node, TransformBlock};
 use glam::{DAffine3, DMat3, DVec3};
 
 const NEWEST_VERSION: f64 = 1.1;
@@ -84,9 +84,9 @@ impl Parser<'_> {
                         self.object(keyword, at)?;
                         self.close_transforms(&mut levels)?;
                     } else {
-                        let (keyword, matrix) = self.transform(word, at, levels.is_empty())?;
+                        let (keyword, value) = self.transform(word, at, levels.is_empty())?;
                         self.open(&mut levels, Level::Transform, keyword, at)?;
-                        self.nodes.push(Node::Transform(At { at, value: matrix }));
+                        self.nodes.push(Node::Transform(At { at, value }));
                     }
                 }
                 _ if in_transform => return Err(self.unexpected("an object, a transform or a group")),
@@ -123,7 +123,7 @@ impl Parser<'_> {
     }
 
     /// `translate( x, y, z,` and its kin up to the comma before the element, from the keyword on.
-    fn transform(&mut self, word: &str, at: Offset, top_level: bool) -> Result<(&'static str, DAffine3)> {
+    fn transform(&mut self, word: &str, at: Offset, top_level: bool) -> Result<(&'static str, TransformBlock)> {
         let keyword = match word {
             "translate" => "translate",
             "rotate" => "rotate",
@@ -134,6 +134,7 @@ impl Parser<'_> {
         self.blocks.push((keyword, at));
         self.advance()?;
         self.expect(b'(')?;
+        let mut projective = false;
         let (matrix, complaint) = match keyword {
             "translate" => (DAffine3::from_translation(self.three_arguments()?), "translation"),
             "rotate" => {
@@ -147,7 +148,11 @@ impl Parser<'_> {
                 let factors = if uniform { DVec3::splat(x) } else { DVec3::new(x, self.argument()?, self.argument()?) };
                 (DAffine3::from_scale(factors), "scale by 0")
             }
-            _ => (self.matrix()?, "this matrix"),
+            _ => {
+                let (matrix, last_row) = self.matrix()?;
+                projective = last_row != [0.0, 0.0, 0.0, 1.0];
+                (matrix, "this matrix")
+            }
         };
         self.blocks.pop();
         match matrix.matrix3.determinant() {
@@ -157,7 +162,7 @@ impl Parser<'_> {
             d if d.is_infinite() => {
                 Err(self.source.error(ErrorCode::Invalid, at, format!("`{keyword}` leaves the range of numbers")))
             }
-            _ => Ok((keyword, matrix)),
+            _ => Ok((keyword, TransformBlock { matrix, projective })),
         }
     }
 
@@ -172,16 +177,17 @@ impl Parser<'_> {
         Ok(DVec3::new(self.argument()?, self.argument()?, self.argument()?))
     }
 
-    /// Four rows of a matrix for column vectors. The last row is dropped, as the course tracers do.
-    fn matrix(&mut self) -> Result<DAffine3> {
+    /// Four rows of a matrix for column vectors: the affine map of the first three, and the last.
+    fn matrix(&mut self) -> Result<(DAffine3, [f64; 4])> {
         let mut rows = [[0.0; 4]; 4];
         for row in &mut rows {
             *row = self.tuple(Self::number)?;
             self.expect(b',')?;
         }
-        let [x, y, z, _] = rows;
+        let [x, y, z, last] = rows;
         let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
-        Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
+        let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
+        Ok((DAffine3 { matrix3, translation: column(3) }, last))
     }
 
     fn unknown_element(&self, word: &str, at: Offset, top_level: bool) -> crate::ImportError {
