@@ -3,6 +3,7 @@
 //! Data flows one way: `formats` reads bytes into a [`Scene`], [`prepare`] makes it a [`prepare::PreparedScene`],
 //! [`integrate`] fills a [`film::Film`], [`write`](mod@write) makes files of it, and [`batch`] drives all this for a folder.
 
+pub mod batch;
 pub mod film;
 pub mod geometry;
 pub mod integrate;
@@ -12,6 +13,7 @@ pub mod prepare;
 pub mod sampling;
 pub mod settings;
 pub mod shading;
+pub mod write;
 
 pub use kiln_formats as formats;
 pub use kiln_formats::{Control, Scene, Stopped};

@@ -1,10 +1,19 @@
 //! What can be asked for: plain data that the command line, presets and the manifest share.
 
+mod environment;
+mod pictures;
+mod views;
+
+pub use environment::{EnvironmentFile, EnvironmentSettings};
+pub use pictures::{Background, BitDepth, Exposure, PictureFormat, PictureSettings, ToneMap};
+pub use views::{CameraChoice, FixedView, UpChoice, ViewSettings};
+
 use serde::{Deserialize, Serialize};
 
 /// How the direct light at a path's vertex is estimated. All converge to the same picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
 pub enum Strategy {
     /// Uniform directions on the hemisphere, no light sampling but for punctual lights: the 2018 way.
     Hemisphere,
@@ -20,8 +29,9 @@ pub enum Strategy {
 }
 
 /// Where random numbers come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
 pub enum SamplerKind {
     /// Owen-scrambled Sobol' points (Burley 2020), addressed.
     #[default]
@@ -35,8 +45,9 @@ pub enum SamplerKind {
 }
 
 /// How the kd-tree is built.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
 pub enum KdTreeBuilder {
     /// Splits at the spatial or object median of the longest axis.
     Median,
@@ -45,6 +56,22 @@ pub enum KdTreeBuilder {
     /// The surface area heuristic.
     #[default]
     Sah,
+}
+
+/// The instruction set of the hot loops. Every tier gives the same pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum SimdTier {
+    /// The widest that the machine has.
+    #[default]
+    Auto,
+    /// No explicit SIMD.
+    Scalar,
+    /// AVX2, 8 floats wide.
+    Avx2,
+    /// AVX-512, 16 floats wide.
+    Avx512,
 }
 
 /// What a scene is prepared with.
@@ -56,6 +83,8 @@ pub struct PrepareSettings {
     pub point_lights: Option<f64>,
     /// `area_light`s become true sphere emitters instead of "point shading × visible fraction".
     pub physical_lights: bool,
+    /// The instruction set that traversal may use. Does not change pixels.
+    pub simd: SimdTier,
 }
 
 /// What a picture is rendered with. Pixels depend on the scene, the view and this alone.
@@ -86,4 +115,19 @@ impl Default for RenderSettings {
             sampler: SamplerKind::default(),
         }
     }
+}
+
+/// Everything that decides what the pictures of an asset look like and what files they become.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Cameras and sizes.
+    pub views: ViewSettings,
+    /// Light beside the asset's own.
+    pub environment: EnvironmentSettings,
+    /// Preparation.
+    pub prepare: PrepareSettings,
+    /// Light transport.
+    pub render: RenderSettings,
+    /// From light to files.
+    pub pictures: PictureSettings,
 }

@@ -4,17 +4,14 @@ use crate::scene::{Image, Pixels};
 use crate::{ErrorCode, ImportError};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Decodes an image file to RGBA as stored.
-///
-/// The format is told by the first bytes, and by `name`'s ending only where there is no signature (TGA). 8-bit
-/// images give [`Pixels::Rgba8`], 16-bit ones [`Pixels::Rgba16`], float ones (Radiance HDR) [`Pixels::RgbaF32`].
-/// Grey is spread over RGB; missing alpha is opaque. EXIF and ICC data are ignored.
-///
-/// # Errors
-/// [`ErrorCode::TooLarge`] when the header claims more than `max_texels` (before anything is allocated),
-/// [`ErrorCode::Unsupported`] for other formats, [`ErrorCode::Invalid`] for corrupt data; the file is `name`.
-pub fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, ImportError> {
+/// A decoder that has read the header, by the format that the first bytes tell, or `name` where they cannot (TGA).
+fn open<'a>(
+    bytes: &'a [u8],
+    name: &str,
+    max_texels: u64,
+) -> Result<(ImageFormat, impl ImageDecoder + 'a), ImportError> {
     let error = |code, message: String| ImportError::new(code, message).in_file(name);
     let reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
@@ -29,8 +26,50 @@ pub fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, Import
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(max_texels.saturating_mul(16).max(1 << 20));
     reader.limits(limits);
-    let corrupt = |e: image::ImageError| error(ErrorCode::Invalid, format!("is not a sound {format:?} image: {e}"));
-    let decoder = reader.into_decoder().map_err(corrupt)?;
+    let decoder = reader.into_decoder().map_err(|e| broken(&e, format, name))?;
+    Ok((format, decoder))
+}
+
+fn broken(cause: &image::ImageError, format: ImageFormat, name: &str) -> ImportError {
+    let (code, what) = match cause {
+        image::ImageError::Unsupported(_) => (ErrorCode::Unsupported, "uses what Kiln does not read"),
+        image::ImageError::Limits(_) => (ErrorCode::TooLarge, "exceeds the limits"),
+        _ => (ErrorCode::Invalid, "is not sound"),
+    };
+    ImportError::new(code, format!("{format:?} image {what}: {cause}")).in_file(name)
+}
+
+/// Runs a third-party decoder; a panic in it is the image's fault.
+fn guarded<T>(name: &str, run: impl FnOnce() -> Result<T, ImportError>) -> Result<T, ImportError> {
+    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| {
+        Err(ImportError::new(ErrorCode::Invalid, "is not a sound image: its decoder panicked").in_file(name))
+    })
+}
+
+/// Width and height by the header alone, so that images can be held against a limit before any is decoded.
+///
+/// # Errors
+/// As [`decode`], without the limit.
+pub fn dimensions(bytes: &[u8], name: &str) -> Result<(u32, u32), ImportError> {
+    guarded(name, || open(bytes, name, u64::MAX).map(|(_, decoder)| decoder.dimensions()))
+}
+
+/// Decodes an image file to RGBA as stored.
+///
+/// The format is told by the first bytes, and by `name`'s ending only where there is no signature (TGA). 8-bit
+/// images give [`Pixels::Rgba8`], 16-bit ones [`Pixels::Rgba16`], float ones (Radiance HDR) [`Pixels::RgbaF32`].
+/// Grey is spread over RGB; missing alpha is opaque. EXIF and ICC data are ignored.
+///
+/// # Errors
+/// [`ErrorCode::TooLarge`] when the header claims more than `max_texels` (before anything is allocated),
+/// [`ErrorCode::Unsupported`] for other formats, [`ErrorCode::Invalid`] for corrupt data; the file is `name`.
+pub fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, ImportError> {
+    guarded(name, || decode_unguarded(bytes, name, max_texels))
+}
+
+fn decode_unguarded(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, ImportError> {
+    let error = |code, message: String| ImportError::new(code, message).in_file(name);
+    let (format, decoder) = open(bytes, name, max_texels)?;
     let (width, height) = decoder.dimensions();
     let texels = u64::from(width) * u64::from(height);
     if texels > max_texels {
@@ -39,7 +78,7 @@ pub fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, Import
     if texels == 0 {
         return Err(error(ErrorCode::Invalid, "has no pixels".into()));
     }
-    let decoded = DynamicImage::from_decoder(decoder).map_err(corrupt)?;
+    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| broken(&e, format, name))?;
     let pixels = match decoded {
         d @ (DynamicImage::ImageLuma16(_)
         | DynamicImage::ImageLumaA16(_)
@@ -53,4 +92,111 @@ pub fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, Import
         d => Pixels::Rgba8(d.into_rgba8().into_raw()),
     };
     Ok(Image { name: name.into(), width, height, pixels })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{ImageBuffer, Luma, LumaA, Rgb, Rgba};
+
+    fn encode(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    fn pixel(x: u32, y: u32) -> [u8; 4] {
+        [10 + x as u8, 20 + y as u8, 30, 40 + x as u8]
+    }
+
+    fn picture() -> DynamicImage {
+        ImageBuffer::from_fn(3, 2, |x, y| Rgba(pixel(x, y))).into()
+    }
+
+    #[test]
+    fn lossless_formats_give_their_bytes_row_by_row_from_the_top() {
+        let want: Vec<u8> = (0..2).flat_map(|y| (0..3).flat_map(move |x| pixel(x, y))).collect();
+        for format in [ImageFormat::Png, ImageFormat::Tga, ImageFormat::Tiff, ImageFormat::WebP, ImageFormat::Bmp] {
+            let bytes = encode(&picture(), format);
+            // The ending is a lie but for TGA, which has no signature.
+            let name = if format == ImageFormat::Tga { "a.tga" } else { "a.jpg" };
+            let image = decode(&bytes, name, 6).unwrap();
+            assert_eq!((image.width, image.height, image.name.as_str()), (3, 2, name));
+            let Pixels::Rgba8(got) = image.pixels else { panic!("{format:?}") };
+            assert_eq!(got, want, "{format:?}");
+            assert_eq!(dimensions(&bytes, name).unwrap(), (3, 2));
+        }
+    }
+
+    #[test]
+    fn depth_and_missing_channels() {
+        let grey = DynamicImage::from(ImageBuffer::from_pixel(1, 1, Luma([77_u8])));
+        let Pixels::Rgba8(got) = decode(&encode(&grey, ImageFormat::Png), "", 1).unwrap().pixels else { panic!() };
+        assert_eq!(got, [77, 77, 77, 255]);
+        let deep = DynamicImage::from(ImageBuffer::from_pixel(1, 1, LumaA([1000_u16, 3])));
+        let Pixels::Rgba16(got) = decode(&encode(&deep, ImageFormat::Png), "", 1).unwrap().pixels else { panic!() };
+        assert_eq!(got, [1000, 1000, 1000, 3]);
+        let float = DynamicImage::from(ImageBuffer::from_pixel(1, 1, Rgb([0.5_f32, 4.0, f32::NAN])));
+        let Pixels::RgbaF32(got) = decode(&encode(&float, ImageFormat::Tiff), "", 1).unwrap().pixels else { panic!() };
+        assert_eq!(got, [0.5, 4.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_header_alone_allocates_nothing() {
+        // A PNG of 1×1 whose header claims 65535 × 65535; the checksum of the header chunk is made right.
+        let mut bytes = encode(&ImageBuffer::from_pixel(1, 1, Luma([0_u8])).into(), ImageFormat::Png);
+        bytes[16..24].copy_from_slice(&[0, 0, 255, 255, 0, 0, 255, 255]);
+        let crc = bytes[12..29].iter().fold(!0_u32, |crc, byte| {
+            (0..8).fold(crc ^ u32::from(*byte), |c, _| if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 })
+        });
+        bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
+        assert_eq!(dimensions(&bytes, "").unwrap(), (65535, 65535));
+        assert_eq!(decode(&bytes, "big.png", 1 << 30).unwrap_err().code, ErrorCode::TooLarge);
+        assert_eq!(decode(&encode(&picture(), ImageFormat::Png), "", 5).unwrap_err().code, ErrorCode::TooLarge);
+    }
+
+    #[test]
+    fn what_is_no_image_is_told_from_what_is_a_broken_one() {
+        for bytes in [&b""[..], b"BLENDER", b"\x76\x2f\x31\x01 an OpenEXR file"] {
+            assert_eq!(decode(bytes, "a.png", 1 << 20).unwrap_err().code, ErrorCode::Unsupported);
+        }
+        let sound = encode(&picture(), ImageFormat::Png);
+        for length in [9, 20, 40, sound.len() / 2] {
+            let error = decode(&sound[..length], "a.png", 1 << 20).unwrap_err();
+            assert_eq!((error.code, error.file.as_str()), (ErrorCode::Invalid, "a.png"), "{length}");
+        }
+    }
+
+    #[test]
+    fn damaged_images_give_an_image_or_an_error() {
+        let formats = [
+            ImageFormat::Png,
+            ImageFormat::Jpeg,
+            ImageFormat::Tga,
+            ImageFormat::Tiff,
+            ImageFormat::WebP,
+            ImageFormat::Gif,
+            ImageFormat::Bmp,
+        ];
+        let mut state = 12345_u32;
+        let mut random = |n: usize| {
+            state = state.wrapping_mul(1664525).wrapping_add(1013904223);
+            (state >> 8) as usize % n
+        };
+        for format in formats {
+            let rgb = DynamicImage::from(picture().into_rgb8());
+            let sound = encode(&if format == ImageFormat::Jpeg { rgb } else { picture() }, format);
+            for _ in 0..400 {
+                let mut bytes = sound.clone();
+                for _ in 0..1 + random(4) {
+                    let at = random(bytes.len());
+                    bytes[at] = random(256) as u8;
+                }
+                bytes.truncate(bytes.len() - random(2) * random(bytes.len()));
+                if let Ok(image) = decode(&bytes, "a.tga", 1 << 20) {
+                    assert!(image.width > 0 && image.height > 0);
+                }
+            }
+        }
+    }
 }

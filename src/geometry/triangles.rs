@@ -178,13 +178,3 @@ fn uv_at(mesh: &Mesh, v: [usize; 3], b: [f32; 3]) -> [[f32; 2]; 2] {
     };
     [set(&mesh.uvs[0]), set(&mesh.uvs[1])]
 }
-
-impl crate::prepare::kdtree::Triangles for Geometry {
-    fn len(&self) -> usize {
-        self.corners.len()
-    }
-
-    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
-        self.corners(triangle)
-    }
-}

@@ -32,10 +32,8 @@ fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool 
     }
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);
     let filters = prepared.filters[geometry.material(scene, hit.triangle) as usize];
-    if filters.culled && asker.eye {
-        if geometry.front_normal(hit.triangle).dot(dir.as_dvec3()) > 0.0 {
-            return false;
-        }
+    if filters.culled && asker.eye && geometry.front_normal(hit.triangle).dot(dir.as_dvec3()) > 0.0 {
+        return false;
     }
     if filters.coverage {
         let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];

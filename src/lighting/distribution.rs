@@ -20,13 +20,8 @@ impl Discrete {
     }
 
     /// Items.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.cumulative.len().saturating_sub(1)
-    }
-
-    /// Whether there are no items.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Sum of all weights.

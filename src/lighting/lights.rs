@@ -121,15 +121,15 @@ impl Lights {
 
     /// Emitters in all.
     pub fn count(&self) -> usize {
-        self.choice.len()
+        self.choice.count()
     }
 
     fn reach(&self, reach: LightReach) -> usize {
         match reach {
             LightReach::Punctual => self.punctual.len(),
-            LightReach::All => self.choice.len(),
+            LightReach::All => self.choice.count(),
             LightReach::Mis => {
-                self.choice.len() - usize::from(matches!(self.environment, Some(Environment::Constant(_))))
+                self.choice.count() - usize::from(matches!(self.environment, Some(Environment::Constant(_))))
             }
         }
     }
@@ -204,7 +204,7 @@ impl Lights {
     /// The solid angle density with which [`Lights::sample`] makes `direction` to the environment.
     pub fn pdf_environment(&self, direction: Vec3, reach: LightReach) -> f32 {
         let Some(environment) = &self.environment else { return 0.0 };
-        let (count, all) = (self.reach(reach), self.choice.len());
+        let (count, all) = (self.reach(reach), self.choice.count());
         if count < all { 0.0 } else { environment.pdf(direction) * self.choice.probability(all - 1, count) }
     }
 }

@@ -1,10 +1,15 @@
 //! Mathematics without policy.
 
+pub mod chi2;
 pub mod float_error;
 mod frame;
 mod ray;
+pub mod simd;
 pub mod statistics;
+pub mod triangle;
 pub mod warp;
+#[cfg(test)]
+mod warp_tests;
 
 use glam::Vec3;
 

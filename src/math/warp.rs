@@ -8,6 +8,7 @@ pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// A number moved into [0, 1): a remap such as `(u − a) / b` may round up to 1. NaN becomes 0.
 #[inline]
+#[expect(clippy::manual_clamp, reason = "clamp keeps NaN")]
 pub fn into_unit(u: f32) -> f32 {
     u.max(0.0).min(ONE_MINUS_EPSILON)
 }
@@ -16,8 +17,8 @@ pub fn into_unit(u: f32) -> f32 {
 #[inline]
 fn at_polar(cos_theta: f32, turn: f32) -> Vec3 {
     let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
-    let phi = TAU * turn;
-    Vec3::new(sin_theta * libm::cosf(phi), sin_theta * libm::sinf(phi), cos_theta)
+    let (sin_phi, cos_phi) = libm::sincosf(TAU * turn);
+    Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
 /// A direction uniform over the sphere.
@@ -47,15 +48,16 @@ pub fn concentric_disc(u: [f32; 2]) -> [f32; 2] {
     }
     let (radius, theta) =
         if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
-    [radius * libm::cosf(theta), radius * libm::sinf(theta)]
+    let (sin, cos) = libm::sincosf(theta);
+    [radius * cos, radius * sin]
 }
 
 /// A point uniform over the unit disc, by radius and turn.
 #[inline]
 pub fn uniform_disc(u: [f32; 2]) -> [f32; 2] {
     let radius = u[0].sqrt();
-    let phi = TAU * u[1];
-    [radius * libm::cosf(phi), radius * libm::sinf(phi)]
+    let (sin, cos) = libm::sincosf(TAU * u[1]);
+    [radius * cos, radius * sin]
 }
 
 /// Density of [`concentric_disc`] and [`uniform_disc`] over area.
@@ -95,8 +97,8 @@ pub fn uniform_cone(u: [f32; 2], one_minus_cos_max: f32) -> Vec3 {
     let versine = u[0] * one_minus_cos_max;
     // sin² = 1 − (1 − v)² = v (2 − v), without cancellation.
     let sin_theta = (versine * (2.0 - versine)).max(0.0).sqrt();
-    let phi = TAU * u[1];
-    Vec3::new(sin_theta * libm::cosf(phi), sin_theta * libm::sinf(phi), 1.0 - versine)
+    let (sin_phi, cos_phi) = libm::sincosf(TAU * u[1]);
+    Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, 1.0 - versine)
 }
 
 /// Density of [`uniform_cone`] over solid angle, 1/sr, inside the cone.

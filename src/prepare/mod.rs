@@ -6,8 +6,9 @@ mod physical;
 use crate::geometry::{Geometry, WorldFrame, world_bounds};
 pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
-use crate::settings::PrepareSettings;
-use glam::DVec3;
+use crate::math::simd::SimdTier;
+use crate::settings::{PrepareSettings, SimdTier as AskedTier};
+use glam::{DVec3, Vec3};
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::scene::{AlphaMode, Material, Surface};
 use kiln_formats::{Control, Scene, Stopped};
@@ -63,9 +64,28 @@ impl PreparedScene {
     }
 }
 
+impl kdtree::Triangles for Geometry {
+    fn len(&self) -> usize {
+        Geometry::len(self)
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.corners(triangle)
+    }
+}
+
 /// Whether the scene brings light of its own: lights, or surfaces that emit (unlit ones do not count).
 pub fn has_own_light(scene: &Scene) -> bool {
     !scene.lights.is_empty() || scene.materials.iter().any(|m| !m.emission.is_black())
+}
+
+fn tier(asked: AskedTier) -> SimdTier {
+    match asked {
+        AskedTier::Auto => SimdTier::detect(),
+        AskedTier::Scalar => SimdTier::Scalar,
+        AskedTier::Avx2 => SimdTier::Avx2,
+        AskedTier::Avx512 => SimdTier::Avx512,
+    }
 }
 
 fn filters(material: &Material) -> Filters {
@@ -104,9 +124,9 @@ pub fn prepare(
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
     control.check()?;
     let start = Instant::now();
-    let options = BuildOptions { builder: settings.kdtree, seed: 0 };
+    let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: tier(settings.simd) };
     let tree = KdTree::build(&geometry, &options, control)?;
-    let times = PrepareTimes { kdtree: start.elapsed().as_secs_f64(), kdtree_cpu: tree.statistics().build_cpu_seconds };
+    let times = PrepareTimes { kdtree: start.elapsed().as_secs_f64(), kdtree_cpu: 0.0 };
     let filters: Vec<_> = scene.materials.iter().map(filters).collect();
     Ok(PreparedScene {
         bounds,

@@ -10,6 +10,7 @@ pub fn luminance(colour: Vec3) -> f32 {
 
 /// A number in [0, 1]; NaN becomes 0.
 #[inline]
+#[expect(clippy::manual_clamp, reason = "clamp keeps NaN")]
 pub fn unit(x: f32) -> f32 {
     x.max(0.0).min(1.0)
 }

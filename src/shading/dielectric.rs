@@ -15,7 +15,7 @@ pub fn sample(interface: &Interface, wo: Vec3, u: f32) -> Option<Delta> {
     }
     let split = interface.split(wo.z);
     let (r, t) = (luminance(split.reflected), luminance(split.transmitted));
-    if !(r + t > 0.0) {
+    if r + t <= 0.0 {
         return None;
     }
     let probability = r / (r + t);

@@ -55,8 +55,8 @@ pub fn sample_visible_normal(alpha: f32, wo: Vec3, u: [f32; 2]) -> Vec3 {
     // Uniform over the cap of the sphere above z = −std.z.
     let z = (1.0 - u[0]) * (1.0 + std.z) - std.z;
     let sin = (1.0 - z * z).max(0.0).sqrt();
-    let phi = TAU * u[1];
-    let cap = Vec3::new(sin * libm::cosf(phi), sin * libm::sinf(phi), z);
+    let (sin_phi, cos_phi) = libm::sincosf(TAU * u[1]);
+    let cap = Vec3::new(sin * cos_phi, sin * sin_phi, z);
     let h = cap + std;
     // Rounding may leave h.z slightly below 0, or h zero at the cap's rim.
     Vec3::new(h.x * alpha, h.y * alpha, h.z.max(1e-7)).normalize()

@@ -19,6 +19,12 @@ mod rough_dielectric;
 mod thin_wall;
 
 #[cfg(test)]
+mod chi2_tests;
+#[cfg(test)]
+mod furnace_tests;
+#[cfg(test)]
+mod hostile_tests;
+#[cfg(test)]
 mod model_tests;
 #[cfg(test)]
 mod test_support;
@@ -115,7 +121,7 @@ impl Bsdf {
     /// which [`Self::sample`] makes `wi` by them. Zeros for `wo` below the surface: turn the frame first.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        if !(wo.z >= GRAZING && wi.z.abs() >= GRAZING) {
+        if !sees(wo) || wi.z.abs() < GRAZING {
             return (Vec3::ZERO, 0.0);
         }
         let mut value = Vec3::ZERO;
@@ -131,7 +137,7 @@ impl Bsdf {
     /// A direction for `u_lobe` and `u` in [0, 1). `None`: absorbed.
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        if !(wo.z >= GRAZING) {
+        if !sees(wo) {
             return None;
         }
         let (lobe, probability, u_choice) = self.choose(warp::into_unit(u_lobe))?;
@@ -147,7 +153,7 @@ impl Bsdf {
     /// As [`Self::sample`], but smooth lobes get a direction that is uniform or by the cosine over the hemisphere, or
     /// over both when some lobe transmits smoothly. The same expectation, more noise.
     pub fn sample_baseline(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], baseline: Baseline) -> Option<BsdfSample> {
-        if !(wo.z >= GRAZING) {
+        if !sees(wo) {
             return None;
         }
         let (lobe, probability, u_choice) = self.choose(warp::into_unit(u_lobe))?;
@@ -215,6 +221,11 @@ impl Bsdf {
         }
         chosen
     }
+}
+
+/// Whether a viewer in direction `wo` is above the surface.
+fn sees(wo: Vec3) -> bool {
+    wo.z >= GRAZING
 }
 
 fn delta_sample(delta: &lobe::Delta, lobe_probability: f32) -> Option<BsdfSample> {

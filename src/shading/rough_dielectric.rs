@@ -13,7 +13,7 @@ fn half_vector(eta: f32, wo: Vec3, wi: Vec3) -> Option<(Vec3, f32)> {
     }
     let sum = wo + wi * eta;
     let length = sum.length();
-    if !(length > 0.0) {
+    if length == 0.0 {
         return None;
     }
     let h = sum * (1f32.copysign(sum.z) / length);

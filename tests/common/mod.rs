@@ -94,3 +94,14 @@ pub fn mean_and_error(rendered: &Rendered) -> (f64, f64) {
     }
     (mean / n, variance.sqrt() / n)
 }
+
+/// The folder of shared assets and references, or `None` when `KILN_SHARED` is unset: then the test says that it
+/// skips, and fails where `KILN_REQUIRE_SHARED` forbids that.
+pub fn shared(what: &str) -> Option<std::path::PathBuf> {
+    let shared = std::env::var_os("KILN_SHARED").map(std::path::PathBuf::from);
+    if shared.is_none() {
+        println!("skipped: {what} needs KILN_SHARED");
+        assert!(std::env::var_os("KILN_REQUIRE_SHARED").is_none(), "KILN_SHARED is not set");
+    }
+    shared
+}

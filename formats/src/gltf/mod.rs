@@ -1,16 +1,237 @@
-//! The gltf importer.
+//! glTF 2.0, `.gltf` and `.glb`.
+//!
+//! Bytes become JSON ([`container`]), JSON becomes the `gltf` crate's typed model ([`document`]), and its parts become
+//! the scene. Nothing in the file is trusted: every index and range is checked where it is used, geometry that does
+//! not fit is an error at its JSON pointer, and anything else that is wrong is left out with a warning.
 
-use crate::{Control, ErrorCode, ImportError, Resources, Scene, Warning};
+mod accessor;
+mod buffers;
+mod cameras;
+mod container;
+mod document;
+mod extensions;
+mod layout;
+mod lights;
+mod materials;
+mod mend;
+mod nodes;
+mod pose;
+mod primitive;
+mod report;
+mod textures;
+mod triangles;
+mod uri;
 
-/// Reads the bytes of a file and what it refers to.
+use crate::scene::{Instance, Scene, UpAxis};
+use crate::{Control, ErrorCode, ImportError, Place, Resources, Warning};
+use accessor::Accessors;
+use buffers::Buffers;
+use glam::DAffine3;
+use gltf::json;
+use gltf::json::validation::Checked;
+use materials::Materials;
+use nodes::Hierarchy;
+use pose::Pose;
+use primitive::Reader;
+use report::Report;
+use std::collections::BTreeMap;
+
+/// Reads a `.gltf` or `.glb` file (told by its first bytes) and what it refers to.
+///
+/// Animations are not played: skins and morph targets show their rest pose. The progress counts primitives and images.
 ///
 /// # Errors
-/// [`ImportError`] when nothing can be shown.
+/// [`ImportError`] with a JSON pointer, or a byte offset or a line where it is no glTF yet:
+/// [`ErrorCode::Syntax`] for what is no JSON or GLB, [`ErrorCode::Unsupported`] for other versions than 2 and required
+/// extensions that are not known, [`ErrorCode::Invalid`] for wrong indices, ranges and hierarchies,
+/// [`ErrorCode::Io`] and [`ErrorCode::Refused`] for buffers, [`ErrorCode::TooLarge`] by the limits of `resources`,
+/// [`ErrorCode::Empty`] when there is no triangle, and [`ErrorCode::Stopped`].
 pub fn import(
-    _bytes: Vec<u8>,
-    _resources: &mut Resources,
-    _warnings: &mut Vec<Warning>,
-    _control: &Control,
+    bytes: Vec<u8>,
+    resources: &mut Resources,
+    warnings: &mut Vec<Warning>,
+    control: &Control,
 ) -> Result<Scene, ImportError> {
-    Err(ImportError::new(ErrorCode::Unsupported, "this format is not read yet"))
+    let mut report = Report::new(warnings);
+    let result = read(bytes, resources, &mut report, control);
+    report.finish();
+    result
+}
+
+fn read(
+    bytes: Vec<u8>,
+    resources: &mut Resources,
+    report: &mut Report,
+    control: &Control,
+) -> Result<Scene, ImportError> {
+    let container::Container { mut json, bytes, bin } = container::split(bytes)?;
+    document::check_version(&json)?;
+    extensions::check(&json, report)?;
+    let local = nodes::local_transforms(&json, report);
+    let root = document::read(&mut json, report)?;
+    drop(json);
+    let hierarchy = nodes::compose(&root, &local, resources.limits().max_nesting)?;
+    let buffers = Buffers::load(&root, bytes, bin, resources, control)?;
+    let accessors = Accessors { root: &root, buffers: &buffers };
+    accessors.check_all()?;
+    control.begin((root.meshes.iter().map(|m| m.primitives.len()).sum::<usize>() + root.images.len()) as u64);
+
+    let mut scene = Scene { up: UpAxis::Y, ..Scene::default() };
+    let materials = geometry(accessors, &hierarchy, resources, &mut scene, report, control)?;
+    for node in &hierarchy.shown {
+        let world = hierarchy.world.get(*node).copied().unwrap_or(DAffine3::IDENTITY);
+        scene.cameras.extend(cameras::at_node(&root, *node, &world, report));
+        scene.lights.extend(lights::at_node(&root, *node, &world, report));
+    }
+    scene.materials = materials.list;
+    materials.textures.load(&root, &buffers, resources, &mut scene, report, control)?;
+    Ok(scene)
+}
+
+/// What distinguishes two poses of one mesh: the mesh, its skin, and the bits of its morph weights.
+type PoseKey = (usize, Option<usize>, Vec<u32>);
+
+/// A primitive in the scene: its mesh, and the transform that takes the place of the node's where it is skinned.
+type Placed = (u32, Option<DAffine3>);
+
+/// Puts the meshes and instances of the nodes shown into the scene; each mesh is read once for each of its poses.
+fn geometry(
+    accessors: Accessors,
+    hierarchy: &Hierarchy,
+    resources: &Resources,
+    scene: &mut Scene,
+    report: &mut Report,
+    control: &Control,
+) -> Result<Materials, ImportError> {
+    let root = accessors.root;
+    check_size(&accessors, &hierarchy.shown, resources.limits().max_triangles)?;
+    let mut materials = Materials::default();
+    let mut poses: BTreeMap<PoseKey, Vec<Placed>> = BTreeMap::new();
+    let mut reader = Reader {
+        accessors,
+        report,
+        control,
+        points_or_lines: 0,
+        first_points_or_lines: String::new(),
+        first_nothing: None,
+    };
+    for index in &hierarchy.shown {
+        let Some(node) = root.nodes.get(*index) else { continue };
+        let Some(mesh) = node.mesh.map(|m| m.value()) else { continue };
+        let Some(source) = root.meshes.get(mesh) else {
+            let message = format!("mesh {mesh} of {}", root.meshes.len());
+            return Err(document::invalid(format!("/nodes/{index}/mesh"), message));
+        };
+        let weights = node.weights.as_ref().or(source.weights.as_ref()).cloned().unwrap_or_default();
+        let skin = node.skin.map(|s| s.value());
+        let key = (mesh, skin, weights.iter().map(|w| w.to_bits()).collect());
+        if !poses.contains_key(&key) {
+            let mut pose = Pose { weights, ..Pose::default() };
+            if let Some(skin) = skin
+                && let Some((joints, origin)) = pose::joints(&accessors, skin, &hierarchy.world, reader.report)?
+            {
+                (pose.joints, pose.origin) = (joints, origin);
+            }
+            let placed = read_mesh(&mut reader, source, mesh, &pose, &mut materials, scene)?;
+            poses.insert(key.clone(), placed);
+        }
+        let world = hierarchy.world.get(*index).copied().unwrap_or(DAffine3::IDENTITY);
+        for (mesh, own) in poses.get(&key).into_iter().flatten() {
+            let transform = own.unwrap_or(world);
+            if !transform.is_finite() {
+                reader.report.warn("bad-transform", format!("/nodes/{index}"), "is not finite; the mesh is left out");
+                continue;
+            }
+            scene.instances.push(Instance { name: node.name.clone().unwrap_or_default(), mesh: *mesh, transform });
+        }
+    }
+    if reader.points_or_lines > 0 {
+        let message = format!("{} primitives of points or lines are not drawn", reader.points_or_lines);
+        let place = reader.first_points_or_lines.clone();
+        reader.report.once("points-or-lines-not-drawn", place, message);
+    }
+    if scene.instances.is_empty() {
+        return Err(nothing(&reader));
+    }
+    Ok(materials)
+}
+
+fn nothing(reader: &Reader) -> ImportError {
+    let empty = |why: &str| ImportError::new(ErrorCode::Empty, format!("has no triangle to draw{why}"));
+    match &reader.first_nothing {
+        Some((place, why)) => empty(&format!(": {why}")).at(Place::Json(place.clone())),
+        None if reader.points_or_lines > 0 => {
+            empty(", only points or lines").at(Place::Json(reader.first_points_or_lines.clone()))
+        }
+        None => empty(""),
+    }
+}
+
+fn read_mesh(
+    reader: &mut Reader,
+    source: &json::Mesh,
+    index: usize,
+    pose: &Pose,
+    materials: &mut Materials,
+    scene: &mut Scene,
+) -> Result<Vec<Placed>, ImportError> {
+    let root = reader.accessors.root;
+    let mut placed = Vec::new();
+    for (p, primitive) in source.primitives.iter().enumerate() {
+        let place = format!("/meshes/{index}/primitives/{p}");
+        let wanted = primitive.material.map(|m| m.value());
+        let known = wanted.filter(|m| *m < root.materials.len());
+        if known != wanted {
+            let message = "there is no such material; the default one is used";
+            reader.report.warn("missing-material", format!("{place}/material"), message);
+        }
+        let normal_map = known.and_then(|m| root.materials.get(m)).is_some_and(|m| m.normal_texture.is_some());
+        let posed = reader.read(primitive, &place, pose, normal_map)?;
+        reader.control.advance(1);
+        let Some(mut posed) = posed else { continue };
+        let mut material = materials.id(root, known, reader.report);
+        match materials.normal_map(material) {
+            Some(map) => {
+                if let Err(why) = primitive::complete_tangents(&mut posed.mesh, &map) {
+                    let message = format!("{why}: the normal map is left out");
+                    reader.report.warn("normal-map-ignored", place, message);
+                    material = materials.without_normal_map(known, material);
+                }
+            }
+            None => posed.mesh.tangents = Vec::new(),
+        }
+        let own = posed.skinned.then(|| DAffine3::from_translation(pose.origin));
+        let name = source.name.clone().unwrap_or_default();
+        scene.meshes.push(crate::scene::Mesh { name, material, ..posed.mesh });
+        placed.push(((scene.meshes.len() - 1) as u32, own));
+    }
+    Ok(placed)
+}
+
+/// Refuses, before anything is allocated for it, an asset that would draw more triangles than the limit.
+fn check_size(accessors: &Accessors, shown: &[usize], max_triangles: u64) -> Result<(), ImportError> {
+    let root = accessors.root;
+    let mut sizes = Vec::new();
+    for (m, mesh) in root.meshes.iter().enumerate() {
+        let mut size = 0u64;
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let Checked::Valid(mode) = primitive.mode else { continue };
+            let positions = primitive.attributes.get(&Checked::Valid(json::mesh::Semantic::Positions));
+            let (counted, name) = match (primitive.indices, positions) {
+                (Some(indices), _) => (indices, "indices"),
+                (None, Some(positions)) => (*positions, "attributes/POSITION"),
+                (None, None) => continue,
+            };
+            let count = accessors.count(counted.value(), &|| format!("/meshes/{m}/primitives/{p}/{name}"))?;
+            size = size.saturating_add(triangles::upper_bound(mode, count));
+        }
+        sizes.push(size);
+    }
+    let meshes = shown.iter().filter_map(|i| root.nodes.get(*i)?.mesh);
+    let total = meshes.filter_map(|m| sizes.get(m.value())).fold(0u64, |sum, size| sum.saturating_add(*size));
+    if total > max_triangles {
+        let message = format!("{total} triangles exceed the limit of {max_triangles}");
+        return Err(ImportError::new(ErrorCode::TooLarge, message));
+    }
+    Ok(())
 }

@@ -15,11 +15,18 @@ pub(super) enum Node {
     Material(MaterialExpr),
     Object(At<Object>),
     /// Opens a level: the matrix applies to one element.
-    Transform(At<DAffine3>),
+    Transform(At<TransformBlock>),
     /// Opens a level of any number of elements.
     Group,
     /// Ends the innermost level.
     Close,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TransformBlock {
+    pub matrix: DAffine3,
+    /// The last row is not (0, 0, 0, 1).
+    pub projective: bool,
 }
 
 /// `camera { … }`: the fields that it sets.

@@ -1,3 +1,5 @@
 //! Clean-up that several importers share.
 
 pub mod shapes;
+pub mod tangents;
+pub mod triangulate;

@@ -13,7 +13,8 @@ impl Lower<'_, '_> {
     /// `k_d/π · E`, so intensities and irradiances are π times the file's colours.
     pub(super) fn light(&mut self, At { at, value: light }: At<LightBlock>) -> Result<()> {
         let position = light.position.as_ref().map_or(DVec3::ZERO, |p| p.value);
-        let file_color = self.light_color(&light, at)?;
+        let file_color = light.color.as_ref().map_or([0.0; 3], |c| c.value.to_array());
+        let file_color = file_color.map(|c| self.not_negative(c, "the light's colour", at));
         let mut direction = DVec3::NEG_Z;
         let mut shift = DVec3::ZERO;
         let kind = match light.word {
@@ -47,11 +48,6 @@ impl Lower<'_, '_> {
         }
         self.scene.lights.push(Light { name: light.name, kind, color, position, direction, through_glass: true });
         Ok(())
-    }
-
-    fn light_color(&mut self, light: &LightBlock, at: usize) -> Result<[f64; 3]> {
-        let color = light.color.as_ref().map_or(DVec3::ZERO, |c| c.value).to_array();
-        Ok(color.map(|c| self.not_negative(c, "the light's colour", at)))
     }
 
     fn unit(&self, direction: DVec3, at: usize) -> Result<DVec3> {

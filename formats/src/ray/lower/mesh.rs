@@ -1,9 +1,12 @@
 use super::{Appearance, Lower, Result};
+use crate::Control;
 use crate::ray::source::{At, Offset};
 use crate::ray::tree::{Faces, MeshBlock};
 use crate::scene::{MaterialId, Mesh, MeshId};
 use glam::DVec3;
 
+/// Faces between two looks at the stop signal.
+const POLL_EVERY: usize = 1 << 16;
 /// Bad faces that one message names.
 const FACES_NAMED: usize = 2;
 
@@ -30,13 +33,13 @@ impl Lower<'_, '_> {
             }
         }
         self.check_faces(&faces, points.len())?;
-        let triangles = fans(&faces, &points);
+        let triangles = fans(&faces, &points, self.control)?;
         if triangles.is_empty() {
             self.notes.warn("empty-mesh", at, || "this mesh has no triangle to draw".into());
             return Ok(None);
         }
-        self.control.check()?;
-        let normals = if block.generate_normals { generate_normals(&points, &triangles) } else { normals };
+        let normals =
+            if block.generate_normals { generate_normals(&points, &triangles, self.control)? } else { normals };
         // In the file v = 0 is the lowest row of the image.
         let mut uvs: Vec<[f32; 2]> = uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect();
         if uvs.is_empty() && (own.is_textured() || vertex_materials.iter().any(Appearance::is_textured)) {
@@ -109,10 +112,13 @@ fn each(faces: &Faces) -> impl Iterator<Item = (Offset, &[i64])> {
 
 /// Cuts every face into a fan around its first corner. Triangles with two equal corners are left out: exporters
 /// write them by the hundred. The indices have been checked.
-fn fans(faces: &Faces, points: &[[f32; 3]]) -> Vec<[u32; 3]> {
+fn fans(faces: &Faces, points: &[[f32; 3]], control: &Control) -> Result<Vec<[u32; 3]>> {
     let mut triangles = Vec::with_capacity(faces.indices.len().saturating_sub(2 * faces.ends.len()));
     let point = |i: u32| points.get(i as usize);
-    for (_, face) in each(faces) {
+    for (count, (_, face)) in each(faces).enumerate() {
+        if count.is_multiple_of(POLL_EVERY) {
+            control.check()?;
+        }
         let [first, rest @ ..] = face else { continue };
         for pair in rest.windows(2) {
             let [a, b, c] = [*first, pair[0], pair[1]].map(|i| i as u32);
@@ -121,14 +127,17 @@ fn fans(faces: &Faces, points: &[[f32; 3]]) -> Vec<[u32; 3]> {
             }
         }
     }
-    triangles
+    Ok(triangles)
 }
 
 /// Per vertex the mean of the unit normals of its faces, whatever their areas; faces without area do not count.
-fn generate_normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
+fn generate_normals(points: &[[f32; 3]], triangles: &[[u32; 3]], control: &Control) -> Result<Vec<[f32; 3]>> {
     let mut sums = vec![(DVec3::ZERO, 0_u32, DVec3::Z); points.len()];
     let point = |i: u32| points.get(i as usize).map_or(DVec3::ZERO, |p| DVec3::from_array(p.map(f64::from)));
-    for triangle in triangles {
+    for (count, triangle) in triangles.iter().enumerate() {
+        if count.is_multiple_of(POLL_EVERY) {
+            control.check()?;
+        }
         let [a, b, c] = triangle.map(point);
         let cross = (b - a).cross(c - a);
         // Not `normalize`: products of single precision coordinates may be as small as 1e-90.
@@ -147,5 +156,5 @@ fn generate_normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]
         let usable = if mean.length_squared() > 1e-12 { mean } else { last };
         usable.as_vec3().to_array()
     };
-    sums.into_iter().map(mean).collect()
+    Ok(sums.into_iter().map(mean).collect())
 }

@@ -87,7 +87,12 @@ impl Lower<'_, '_> {
                 Node::Object(object) => self.object(object, &context)?,
                 Node::Transform(At { at, value }) => {
                     outer.push(context);
-                    context.transform *= value;
+                    context.transform *= value.matrix;
+                    if value.projective {
+                        self.notes.warn("ignored-field", at, || {
+                            "the last row of this matrix is not (0,0,0,1) and is ignored".into()
+                        });
+                    }
                     if !context.transform.is_finite() {
                         return Err(self.invalid(at, "this transform leaves the range of numbers"));
                     }

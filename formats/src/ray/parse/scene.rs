@@ -3,7 +3,7 @@ use super::{Parser, Result};
 use crate::ErrorCode;
 use crate::ray::lexer::{Lexer, Token, TokenKind};
 use crate::ray::source::{At, Offset, Source};
-use crate::ray::tree::{LightWord, Node};
+use crate::ray::tree::{LightWord, Node, TransformBlock};
 use glam::{DAffine3, DMat3, DVec3};
 
 const NEWEST_VERSION: f64 = 1.1;
@@ -11,8 +11,8 @@ const NEWEST_VERSION: f64 = 1.1;
 /// Reads `SBT-raytracer 1.0` and gives the token behind it.
 pub(super) fn read_header(source: Source<'_>, lexer: &mut Lexer<'_>) -> Result<Token> {
     let magic = lexer.next().ok();
-    let found = magic.and_then(|token| source.bytes.get(token.start..token.end));
-    if found != Some(b"SBT-raytracer") {
+    let word = magic.filter(|token| token.kind == TokenKind::Word);
+    if word.and_then(|token| source.bytes.get(token.start..token.end)) != Some(b"SBT-raytracer") {
         let message = "is not an SBT-raytracer file: it does not begin with `SBT-raytracer`";
         return Err(source.error(ErrorCode::UnknownFormat, magic.map_or(0, |t| t.start), message));
     }
@@ -84,9 +84,9 @@ impl Parser<'_> {
                         self.object(keyword, at)?;
                         self.close_transforms(&mut levels)?;
                     } else {
-                        let (keyword, matrix) = self.transform(word, at, levels.is_empty())?;
+                        let (keyword, value) = self.transform(word, at, levels.is_empty())?;
                         self.open(&mut levels, Level::Transform, keyword, at)?;
-                        self.nodes.push(Node::Transform(At { at, value: matrix }));
+                        self.nodes.push(Node::Transform(At { at, value }));
                     }
                 }
                 _ if in_transform => return Err(self.unexpected("an object, a transform or a group")),
@@ -123,7 +123,7 @@ impl Parser<'_> {
     }
 
     /// `translate( x, y, z,` and its kin up to the comma before the element, from the keyword on.
-    fn transform(&mut self, word: &str, at: Offset, top_level: bool) -> Result<(&'static str, DAffine3)> {
+    fn transform(&mut self, word: &str, at: Offset, top_level: bool) -> Result<(&'static str, TransformBlock)> {
         let keyword = match word {
             "translate" => "translate",
             "rotate" => "rotate",
@@ -134,8 +134,9 @@ impl Parser<'_> {
         self.blocks.push((keyword, at));
         self.advance()?;
         self.expect(b'(')?;
+        let mut projective = false;
         let (matrix, complaint) = match keyword {
-            "translate" => (DAffine3::from_translation(self.three_arguments()?), ""),
+            "translate" => (DAffine3::from_translation(self.three_arguments()?), "translation"),
             "rotate" => {
                 let axis = self.three_arguments()?;
                 let angle = self.argument()?;
@@ -147,14 +148,22 @@ impl Parser<'_> {
                 let factors = if uniform { DVec3::splat(x) } else { DVec3::new(x, self.argument()?, self.argument()?) };
                 (DAffine3::from_scale(factors), "scale by 0")
             }
-            _ => (self.matrix()?, "this matrix"),
+            _ => {
+                let (matrix, last_row) = self.matrix()?;
+                projective = last_row != [0.0, 0.0, 0.0, 1.0];
+                (matrix, "this matrix")
+            }
         };
         self.blocks.pop();
-        let determinant = matrix.matrix3.determinant();
-        if determinant == 0.0 || !determinant.is_finite() {
-            return Err(self.source.error(ErrorCode::Invalid, at, format!("{complaint} gives a singular transform")));
+        match matrix.matrix3.determinant() {
+            d if d == 0.0 || d.is_nan() => {
+                Err(self.source.error(ErrorCode::Invalid, at, format!("{complaint} gives a singular transform")))
+            }
+            d if d.is_infinite() => {
+                Err(self.source.error(ErrorCode::Invalid, at, format!("`{keyword}` leaves the range of numbers")))
+            }
+            _ => Ok((keyword, TransformBlock { matrix, projective })),
         }
-        Ok((keyword, matrix))
     }
 
     /// A number and the comma behind it.
@@ -168,16 +177,17 @@ impl Parser<'_> {
         Ok(DVec3::new(self.argument()?, self.argument()?, self.argument()?))
     }
 
-    /// Four rows of a matrix for column vectors. The last row is dropped, as the course tracers do.
-    fn matrix(&mut self) -> Result<DAffine3> {
+    /// Four rows of a matrix for column vectors: the affine map of the first three, and the last.
+    fn matrix(&mut self) -> Result<(DAffine3, [f64; 4])> {
         let mut rows = [[0.0; 4]; 4];
         for row in &mut rows {
             *row = self.tuple(Self::number)?;
             self.expect(b',')?;
         }
-        let [x, y, z, _] = rows;
+        let [x, y, z, last] = rows;
         let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
-        Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
+        let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
+        Ok((DAffine3 { matrix3, translation: column(3) }, last))
     }
 
     fn unknown_element(&self, word: &str, at: Offset, top_level: bool) -> crate::ImportError {

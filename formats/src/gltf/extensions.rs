@@ -1,0 +1,58 @@
+//! What is known about glTF extensions.
+
+use super::report::Report;
+use crate::{ErrorCode, ImportError, Place};
+use serde_json::Value;
+
+/// Extensions whose meaning is honoured.
+const SUPPORTED: &[&str] = &[
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+];
+
+/// Extensions that change nothing in a picture of the rest pose.
+const WITHOUT_EFFECT: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
+
+/// Extensions that may be required and still leave a right picture when they are ignored: animation is not shown
+/// anyway, and the default variant is the one that the materials give.
+const SAFE_TO_IGNORE: &[&str] = &["KHR_animation_pointer", "KHR_materials_variants"];
+
+/// Checks the lists of used and required extensions.
+///
+/// # Errors
+/// [`ErrorCode::Unsupported`] that names the first required extension that is not known.
+pub(super) fn check(json: &Value, report: &mut Report) -> Result<(), ImportError> {
+    for (i, name) in names(json, "extensionsRequired").enumerate() {
+        let known = [SUPPORTED, WITHOUT_EFFECT, SAFE_TO_IGNORE].iter().any(|list| list.contains(&name));
+        if !known {
+            let place = Place::Json(format!("/extensionsRequired/{i}"));
+            return Err(ImportError::new(ErrorCode::Unsupported, format!("requires the extension {name}")).at(place));
+        }
+    }
+    let mut warned: Vec<&str> = Vec::new();
+    // The list is the file's; names beyond a thousand are nobody's.
+    for (i, name) in names(json, "extensionsUsed").enumerate().take(1000) {
+        let known = [SUPPORTED, WITHOUT_EFFECT].iter().any(|list| list.contains(&name));
+        if !known && !warned.contains(&name) {
+            warned.push(name);
+            let message = format!("{name} is ignored");
+            report.warn("unsupported-extension", format!("/extensionsUsed/{i}"), message);
+        }
+    }
+    Ok(())
+}
+
+fn names<'a>(json: &'a Value, list: &str) -> impl Iterator<Item = &'a str> {
+    // What is no string counts as a name, so that the positions are right.
+    json.get(list).and_then(Value::as_array).into_iter().flatten().map(|name| name.as_str().unwrap_or("(no name)"))
+}

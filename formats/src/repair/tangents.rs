@@ -1,0 +1,187 @@
+//! Tangent spaces by MikkTSpace, the algorithm that glTF names for meshes without tangents (glTF 2.0, 3.7.2.1).
+
+use crate::scene::{Mesh, UvTransform};
+use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
+use glam::Vec3;
+use std::collections::HashMap;
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
+
+/// Corners that share position, normal and texture coordinates. MikkTSpace recurses over them and takes their square
+/// in time, so that more would exhaust the stack or the patience.
+const MAX_FAN: u16 = 2048;
+
+/// Stack of the thread that runs MikkTSpace; enough for `MAX_FAN` nested calls many times over.
+const STACK_BYTES: usize = 16 << 20;
+
+/// Why a mesh can have no tangents.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoTangents {
+    /// Flat faces have no tangent space.
+    #[error("the mesh has no normals")]
+    Normals,
+    /// The set of texture coordinates is missing.
+    #[error("the mesh lacks the texture coordinates")]
+    TextureCoordinates,
+    /// Too many triangles around one vertex.
+    #[error("more than {MAX_FAN} triangles meet in one vertex")]
+    Fan,
+    /// The generator failed.
+    #[error("the tangent generator failed")]
+    Generator,
+}
+
+/// Gives a mesh tangents for a set of texture coordinates (0 or 1), which `transform` maps first.
+///
+/// Vertices at which tangent spaces differ, such as those on mirrored seams, are doubled; vertices that no triangle
+/// names are dropped. Handedness is glTF's: the bitangent `cross(normal, tangent) · w` points against v.
+///
+/// # Errors
+/// [`NoTangents`]; the mesh is left as it was.
+pub fn generate(mesh: &mut Mesh, uv_set: usize, transform: &UvTransform) -> Result<(), NoTangents> {
+    if mesh.normals.len() != mesh.positions.len() || mesh.normals.is_empty() {
+        return Err(NoTangents::Normals);
+    }
+    let uvs =
+        mesh.uvs.get(uv_set).filter(|uvs| uvs.len() == mesh.positions.len()).ok_or(NoTangents::TextureCoordinates)?;
+    let mut corners = Corners { mesh, uvs, transform, tangents: vec![[0.0; 4]; 3 * mesh.triangles.len()] };
+    if has_huge_fan(&corners) {
+        return Err(NoTangents::Fan);
+    }
+    let tangents = std::thread::scope(|scope| {
+        let run = || generate_tangents(&mut corners).map(|()| std::mem::take(&mut corners.tangents));
+        let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, run).ok()?;
+        thread.join().ok()?.ok()
+    });
+    let tangents = tangents.ok_or(NoTangents::Generator)?;
+    weld(mesh, &tangents);
+    Ok(())
+}
+
+/// The mesh as MikkTSpace sees it: corners of triangles.
+struct Corners<'a> {
+    mesh: &'a Mesh,
+    uvs: &'a [[f32; 2]],
+    transform: &'a UvTransform,
+    tangents: Vec<[f32; 4]>,
+}
+
+impl Corners<'_> {
+    fn vertex(&self, face: usize, corner: usize) -> usize {
+        self.mesh.triangles.get(face).and_then(|t| t.get(corner)).map_or(0, |i| *i as usize)
+    }
+}
+
+/// Functions that give the same bits on every machine.
+struct Portable;
+
+impl Ops for Portable {
+    fn sqrt(x: f32) -> f32 {
+        x.sqrt()
+    }
+
+    fn acos(x: f32) -> f32 {
+        libm::acos(f64::from(x)) as f32
+    }
+}
+
+impl Geometry<Portable> for Corners<'_> {
+    fn num_faces(&self) -> usize {
+        self.mesh.triangles.len()
+    }
+
+    fn num_vertices_of_face(&self, _face: usize) -> usize {
+        3
+    }
+
+    fn position(&self, face: usize, corner: usize) -> [f32; 3] {
+        self.mesh.positions.get(self.vertex(face, corner)).copied().unwrap_or_default()
+    }
+
+    fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
+        unit(self.mesh.normals.get(self.vertex(face, corner)).copied().unwrap_or_default())
+    }
+
+    fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
+        self.transform.apply(self.uvs.get(self.vertex(face, corner)).copied().unwrap_or_default())
+    }
+
+    fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
+        let normal = Vec3::from_array(self.normal(face, corner));
+        let Some(slot) = self.tangents.get_mut(3 * face + corner) else { return };
+        let [x, y, z, w] = space.unwrap_or_default().tangent_encoded();
+        let tangent = Vec3::new(x, y, z);
+        let sound = tangent.is_finite() && tangent.cross(normal).length_squared() > 1e-12;
+        // Where texture coordinates are degenerate, any direction in the surface will do.
+        let [x, y, z] = if sound { tangent.to_array() } else { perpendicular(normal).to_array() };
+        // MikkTSpace takes v upwards, glTF downwards.
+        *slot = [x, y, z, -w];
+    }
+}
+
+fn unit(normal: [f32; 3]) -> [f32; 3] {
+    Vec3::from_array(normal).normalize_or_zero().to_array()
+}
+
+fn perpendicular(normal: Vec3) -> Vec3 {
+    let axis = if normal.x.abs() < 0.5 { Vec3::X } else { Vec3::Y };
+    axis.cross(normal).try_normalize().unwrap_or(Vec3::X)
+}
+
+/// A hasher with fixed keys; the maps below are only asked, never walked.
+type Fixed = BuildHasherDefault<DefaultHasher>;
+
+/// Whether more than [`MAX_FAN`] corners may be welded into one vertex. Hash collisions only err on the safe side.
+fn has_huge_fan(corners: &Corners) -> bool {
+    let triangles = corners.num_faces();
+    if triangles <= usize::from(MAX_FAN) {
+        return false;
+    }
+    let mut counts = vec![0u16; (2 * triangles).next_power_of_two()];
+    let mask = counts.len() - 1;
+    let hasher = Fixed::default();
+    let bits = |x: f32| x.to_bits();
+    // One hash a vertex, then one count a corner.
+    let vertices = corners.mesh.positions.iter().zip(&corners.mesh.normals).zip(corners.uvs);
+    let buckets: Vec<usize> = vertices
+        .map(|((p, n), uv)| {
+            let key = (p.map(bits), unit(*n).map(bits), corners.transform.apply(*uv).map(bits));
+            hasher.hash_one(key) as usize & mask
+        })
+        .collect();
+    for corner in corners.mesh.triangles.as_flattened() {
+        if let Some(count) = buckets.get(*corner as usize).and_then(|b| counts.get_mut(*b)) {
+            *count += 1;
+            if *count > MAX_FAN {
+                return true;
+            }
+        }
+    }
+    false
+}
+
+/// Indexes the mesh anew, so that each vertex has one tangent.
+fn weld(mesh: &mut Mesh, tangents: &[[f32; 4]]) {
+    let mut ids: HashMap<(u32, [u32; 4]), u32, Fixed> = HashMap::default();
+    let mut sources: Vec<u32> = Vec::with_capacity(mesh.positions.len());
+    let mut welded: Vec<[f32; 4]> = Vec::with_capacity(mesh.positions.len());
+    for (corner, tangent) in mesh.triangles.as_flattened_mut().iter_mut().zip(tangents) {
+        let source = *corner;
+        *corner = *ids.entry((source, tangent.map(f32::to_bits))).or_insert_with(|| {
+            sources.push(source);
+            welded.push(*tangent);
+            (sources.len() - 1) as u32
+        });
+    }
+    mesh.tangents = welded;
+    gather(&mut mesh.positions, &sources);
+    gather(&mut mesh.normals, &sources);
+    mesh.uvs.iter_mut().for_each(|uvs| gather(uvs, &sources));
+    gather(&mut mesh.colors, &sources);
+    gather(&mut mesh.vertex_materials, &sources);
+}
+
+fn gather<T: Copy + Default>(values: &mut Vec<T>, sources: &[u32]) {
+    if !values.is_empty() {
+        *values = sources.iter().map(|i| values.get(*i as usize).copied().unwrap_or_default()).collect();
+    }
+}

@@ -1,0 +1,23 @@
+# The usual verbs; `just --list` names them.
+
+# Render the sample folder.
+samples out="out/samples":
+    cargo run --release -- batch scenes/samples --out {{out}}
+
+# Everything that CI checks, without the shared assets.
+check:
+    cargo fmt --all --check
+    cargo clippy --release --workspace --all-targets -- -D warnings
+    cargo test --release --workspace
+
+# The tests.
+test *filter:
+    cargo test --release --workspace {{filter}}
+
+# The API documentation.
+doc:
+    cargo doc --release --workspace --no-deps --open
+
+# What CI runs; KILN_SHARED names the folder of shared assets and references.
+ci:
+    .ci/run

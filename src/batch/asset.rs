@@ -1,0 +1,251 @@
+use super::environment::{self, LoadedEnvironment};
+use super::sink::{FileSink, Sink};
+use super::stages::{StageClock, peak_bytes};
+use super::{Job, Outcome, OutputRecord, SceneFacts, Stage, Status, digest, exposure, job, views};
+use crate::integrate::{Rendered, View, render};
+use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
+use crate::settings::{Background, EnvironmentSettings, Exposure, PictureFormat};
+use crate::write::{Metadata, display, exr, png};
+use kiln_formats::{Control, ErrorCode, Format, ImportError, ImportOptions, Scene, Stopped, import};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+/// What surrounds a job.
+pub struct Desk<'a> {
+    /// Takes the finished files.
+    pub sink: &'a dyn Sink,
+    /// Told of each stage before it begins, on the thread that works.
+    pub on_stage: &'a (dyn Fn(Stage) + Sync),
+    /// The job's environment file where it has been read already.
+    pub environment: Option<Arc<LoadedEnvironment>>,
+}
+
+/// Turns one asset into pictures in its output folder, on the current rayon pool.
+///
+/// Never panics and never prints: whatever goes wrong is in the outcome. `control` carries progress out (of the stage
+/// under way) and the wish to stop in.
+pub fn run_asset(job: &Job, control: &Control) -> Outcome {
+    let sink = FileSink { folder: job.output.folder.clone() };
+    run_asset_with(job, control, &Desk { sink: &sink, on_stage: &|_| (), environment: None })
+}
+
+/// As [`run_asset`], with the files going to a sink and the stages being told.
+pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
+    let clock = StageClock::begin();
+    let mut outcome = Outcome::skipped(&job.name, job.settings.render.seed);
+    let work = AssertUnwindSafe(|| Work { job, control, desk, outcome: &mut outcome }.run());
+    let ended = catch_unwind(work).unwrap_or_else(|panic| Err(Failure::of_panic(&*panic)));
+    match ended {
+        Ok(()) if outcome.warnings.is_empty() => outcome.status = Status::Ok,
+        Ok(()) => outcome.status = Status::Warned,
+        Err(failure) => {
+            outcome.status = match (failure.stopped, outcome.outputs.is_empty()) {
+                (true, true) => Status::Skipped,
+                (true, false) => Status::Partial,
+                (false, _) => Status::Failed,
+            };
+            outcome.error_code = Some(failure.code);
+            outcome.error_message = Some(failure.message);
+        }
+    }
+    outcome.seconds.total = clock.seconds().0;
+    outcome.cpu_seconds.total = outcome.cpu_seconds.sum();
+    outcome.peak_bytes = peak_bytes();
+    outcome
+}
+
+/// Why an asset's pictures are not all there.
+struct Failure {
+    code: String,
+    message: String,
+    stopped: bool,
+}
+
+impl Failure {
+    fn new(code: &str, message: impl Into<String>) -> Self {
+        Self { code: code.into(), message: message.into(), stopped: false }
+    }
+
+    fn of_panic(panic: &(dyn Any + Send)) -> Self {
+        let text = panic.downcast_ref::<&str>().map(|s| s.to_string());
+        let text = text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default();
+        Self::new(ErrorCode::Internal.as_str(), format!("a defect in Kiln, please report it: {text}"))
+    }
+}
+
+impl From<Stopped> for Failure {
+    fn from(_: Stopped) -> Self {
+        Self { code: ErrorCode::Stopped.as_str().into(), message: "interrupted".into(), stopped: true }
+    }
+}
+
+impl From<ImportError> for Failure {
+    fn from(error: ImportError) -> Self {
+        if error.code == ErrorCode::Stopped {
+            Stopped.into()
+        } else {
+            Self::new(error.code.as_str(), error.to_string())
+        }
+    }
+}
+
+struct Work<'a> {
+    job: &'a Job,
+    control: &'a Control,
+    desk: &'a Desk<'a>,
+    outcome: &'a mut Outcome,
+}
+
+impl Work<'_> {
+    fn run(&mut self) -> Result<(), Failure> {
+        self.control.check()?;
+        let (scene, environment, views) = self.import()?;
+        let prepared = self.prepare(scene, &environment)?;
+        drop(environment);
+        let exposure = self.exposure(&prepared, &views)?;
+        for (index, view) in views.iter().enumerate() {
+            let stage = Stage::Render { view: index as u32, views: views.len() as u32 };
+            (self.desk.on_stage)(stage);
+            let clock = StageClock::begin();
+            let rendered = render(&prepared, view, &self.job.settings.render, self.control)?;
+            self.count(&rendered);
+            self.outcome.seconds.render += clock.seconds().0;
+            self.write(&rendered, index as u32, exposure)?;
+        }
+        Ok(())
+    }
+
+    /// Reads the asset and plans its views.
+    fn import(&mut self) -> Result<(Scene, EnvironmentSource, Vec<View>), Failure> {
+        (self.desk.on_stage)(Stage::Import);
+        let clock = StageClock::begin();
+        let settings = &self.job.settings;
+        let loaded = match (&self.desk.environment, &settings.environment) {
+            (None, EnvironmentSettings::File(file)) => {
+                let loaded = LoadedEnvironment::read(&file.path).map_err(|e| Failure::new("environment", e))?;
+                Some(Arc::new(loaded))
+            }
+            (loaded, _) => loaded.clone(),
+        };
+        let digest = digest::of_settings(settings, loaded.as_deref().map(LoadedEnvironment::digest));
+        self.outcome.settings = Some(digest.map_err(|e| Failure::new("settings", e.to_string()))?);
+        let options = ImportOptions { root: self.job.root.clone(), ..ImportOptions::default() };
+        let imported = import(&self.job.input, &options, self.control);
+        // A failed import costs time too.
+        (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();
+        let imported = imported?;
+        self.outcome.warnings = imported.warnings;
+        let content = digest::of_files(&imported.files);
+        self.outcome.content = Some(content.map_err(|e| Failure::new("io", format!("cannot be read again: {e}")))?);
+        let scene = imported.scene;
+        self.outcome.scene = Some(SceneFacts {
+            triangles: scene.triangle_count(),
+            instances: scene.instances.len() as u64,
+            ..SceneFacts::default()
+        });
+        let show_environment = settings.pictures.background == Background::Environment;
+        let views = views::plan(&scene, &settings.views, show_environment).map_err(|e| Failure::new("camera", e))?;
+        let (environment, light) =
+            environment::choose(&scene, Format::of(&self.job.input), &settings.environment, loaded.as_ref());
+        self.outcome.light = Some(light);
+        (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();
+        Ok((scene, environment, views))
+    }
+
+    fn prepare(&mut self, scene: Scene, environment: &EnvironmentSource) -> Result<PreparedScene, Failure> {
+        (self.desk.on_stage)(Stage::Prepare);
+        let clock = StageClock::begin();
+        let prepared = prepare(scene, environment, &self.job.settings.prepare, self.control)?;
+        let (wall, cpu) = clock.seconds();
+        let tree = prepared.times;
+        self.outcome.seconds.kdtree = tree.kdtree;
+        self.outcome.seconds.prepare = (wall - tree.kdtree).max(0.0);
+        self.outcome.cpu_seconds.kdtree = tree.kdtree_cpu;
+        // What this thread did for the tree is in the tree's share already.
+        self.outcome.cpu_seconds.prepare = (cpu - tree.kdtree_cpu.min(tree.kdtree)).max(0.0);
+        if let Some(facts) = &mut self.outcome.scene {
+            facts.triangles = prepared.triangles;
+            facts.emitters = prepared.emitters;
+        }
+        Ok(prepared)
+    }
+
+    /// The exposure of all views, EV.
+    fn exposure(&mut self, prepared: &PreparedScene, views: &[View]) -> Result<f64, Failure> {
+        let settings = &self.job.settings;
+        match settings.pictures.exposure {
+            Exposure::Ev(ev) => Ok(ev),
+            // Linear files are not exposed.
+            Exposure::Auto if !settings.pictures.formats.contains(&PictureFormat::Png) => Ok(0.0),
+            Exposure::Auto => {
+                (self.desk.on_stage)(Stage::Expose);
+                let clock = StageClock::begin();
+                let (ev, rendered) = exposure::meter(prepared, views, &settings.render, self.control)?;
+                rendered.iter().for_each(|r| self.count(r));
+                self.outcome.seconds.render += clock.seconds().0;
+                Ok(ev)
+            }
+        }
+    }
+
+    fn count(&mut self, rendered: &Rendered) {
+        self.outcome.cpu_seconds.render += rendered.cpu_seconds;
+        self.outcome.rays.camera += rendered.rays.camera;
+        self.outcome.rays.bounce += rendered.rays.bounce;
+        self.outcome.rays.shadow += rendered.rays.shadow;
+        self.outcome.nonfinite += rendered.nonfinite;
+    }
+
+    /// Encodes and writes one view in every format.
+    fn write(&mut self, rendered: &Rendered, index: u32, exposure: f64) -> Result<(), Failure> {
+        (self.desk.on_stage)(Stage::Write);
+        let clock = StageClock::begin();
+        let settings = &self.job.settings;
+        let picture = &rendered.picture;
+        let metadata = Metadata {
+            software: Metadata::software(),
+            source: self.job.input.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            content: self.outcome.content.clone().unwrap_or_default(),
+            settings: self.outcome.settings.clone().unwrap_or_default(),
+            seed: settings.render.seed,
+            spp: rendered.spp,
+            view: index,
+        };
+        for format in &settings.pictures.formats {
+            let unwritable = |e: String| Failure::new("unwritable", e);
+            let bytes = match format {
+                PictureFormat::Png => {
+                    let p = &settings.pictures;
+                    let displayed = display::develop(picture, exposure, p.tonemap, p.background);
+                    png::encode(&displayed, p.bits, &metadata).map_err(|e| unwritable(e.to_string()))?
+                }
+                PictureFormat::Exr => exr::encode(picture, &metadata).map_err(|e| unwritable(e.to_string()))?,
+            };
+            let frame = settings.views.turntable.map(|_| index);
+            let path = self.job.output.picture(frame, *format);
+            let name = job::slashed(&path);
+            let put = self.desk.sink.put(&path, bytes);
+            put.map_err(|e| unwritable(format!("{name} cannot be written: {e}")))?;
+            self.outcome.outputs.push(OutputRecord {
+                path: name,
+                format: *format,
+                view: index,
+                width: picture.width,
+                height: picture.height,
+                spp: rendered.spp,
+                samples: u64::from(rendered.spp) * u64::from(picture.width) * u64::from(picture.height),
+                exposure,
+                error: None,
+                error_bound: None,
+                relmse: None,
+                target_met: None,
+                bias: Vec::new(),
+            });
+        }
+        let (wall, cpu) = clock.seconds();
+        self.outcome.seconds.write += wall;
+        self.outcome.cpu_seconds.write += cpu;
+        Ok(())
+    }
+}

@@ -1,0 +1,78 @@
+use crate::settings::{EnvironmentSettings, Settings};
+use std::fs::File;
+use std::io;
+use std::path::PathBuf;
+
+/// `blake3:` and the hexadecimal hash of bytes.
+pub fn of_bytes(bytes: &[u8]) -> String {
+    format!("blake3:{}", blake3::hash(bytes).to_hex())
+}
+
+/// `blake3:` and the hash over the hashes of these files in this order. Names do not enter.
+///
+/// # Errors
+/// When a file cannot be read.
+pub fn of_files(files: &[PathBuf]) -> io::Result<String> {
+    let mut all = blake3::Hasher::new();
+    for file in files {
+        let mut one = blake3::Hasher::new();
+        one.update_reader(File::open(file)?)?;
+        all.update(one.finalize().as_bytes());
+    }
+    Ok(format!("blake3:{}", all.finalize().to_hex()))
+}
+
+/// `blake3:` and the hash of the canonical JSON (sorted keys, no blanks) of all settings that pictures depend on.
+///
+/// The instruction set is left out, for it changes no pixel; an environment file counts by its content.
+///
+/// # Errors
+/// Only should a number not be finite, which JSON cannot say.
+pub fn of_settings(settings: &Settings, environment_digest: Option<&str>) -> serde_json::Result<String> {
+    let mut settings = settings.clone();
+    settings.prepare.simd = Default::default();
+    if let (EnvironmentSettings::File(file), Some(digest)) = (&mut settings.environment, environment_digest) {
+        file.path = PathBuf::from(digest);
+    }
+    // Objects of serde_json are sorted maps.
+    Ok(of_bytes(serde_json::to_value(&settings)?.to_string().as_bytes()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{EnvironmentFile, SimdTier};
+
+    #[test]
+    fn settings_hash_follows_what_pixels_depend_on() {
+        let hash = |s: &Settings| of_settings(s, Some("blake3:00")).expect("finite");
+        let plain = Settings::default();
+        let mut other = plain.clone();
+        other.prepare.simd = SimdTier::Scalar;
+        assert_eq!(hash(&plain), hash(&other));
+        other.render.seed = 1;
+        assert_ne!(hash(&plain), hash(&other));
+        let with = |path: &str| {
+            let file = EnvironmentFile { path: path.into(), rotation_y_deg: 0.0, intensity: 1.0 };
+            Settings { environment: EnvironmentSettings::File(file), ..Settings::default() }
+        };
+        assert_eq!(hash(&with("a.hdr")), hash(&with("b.hdr")));
+        assert_ne!(hash(&with("a.hdr")), hash(&plain));
+    }
+
+    #[test]
+    fn content_hash_follows_bytes_and_not_names() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let file = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).expect("write");
+            path
+        };
+        let (a, b, c) = (file("a", b"one"), file("b", b"one"), file("c", b"two"));
+        let hash =
+            |files: &[&PathBuf]| of_files(&files.iter().map(|f| (*f).clone()).collect::<Vec<_>>()).expect("read");
+        assert_eq!(hash(&[&a, &c]), hash(&[&b, &c]));
+        assert_ne!(hash(&[&a, &c]), hash(&[&a]));
+        assert_ne!(hash(&[&a, &c]), hash(&[&c, &a]));
+    }
+}

@@ -1,0 +1,154 @@
+use super::digest;
+use crate::prepare::{EnvironmentSource, has_own_light};
+use crate::settings::{EnvironmentFile, EnvironmentSettings};
+use crate::write::{exr, srgb};
+use kiln_formats::scene::{Image, Material, Pixels};
+use kiln_formats::{Format, Limits, Scene, images};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A decoded environment picture with linear pixels.
+#[derive(Clone, Debug)]
+pub struct LoadedEnvironment {
+    image: Image,
+    digest: String,
+    name: String,
+}
+
+impl LoadedEnvironment {
+    /// Reads an environment picture.
+    ///
+    /// # Errors
+    /// A sentence with the file's name.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let limits = Limits::default();
+        let in_file = |message: String| format!("environment {}: {message}", path.display());
+        let size = path.metadata().map_err(|e| in_file(format!("cannot be read: {e}")))?.len();
+        if size > limits.max_file_bytes {
+            return Err(in_file(format!("is larger than the limit of {} bytes", limits.max_file_bytes)));
+        }
+        let bytes = std::fs::read(path).map_err(|e| in_file(format!("cannot be read: {e}")))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let image = decode(&bytes, &name, limits.max_texels).map_err(in_file)?;
+        Ok(Self { image, digest: digest::of_bytes(&bytes), name })
+    }
+
+    /// Hash of the file.
+    pub fn digest(&self) -> &str {
+        &self.digest
+    }
+}
+
+fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, String> {
+    const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+    if bytes.starts_with(&EXR_MAGIC) {
+        let picture = exr::decode(bytes, max_texels)?;
+        let values = picture.pixels.into_flattened().into_iter().map(|x| if x.is_finite() { x } else { 0.0 }).collect();
+        return Ok(Image {
+            name: name.into(),
+            width: picture.width,
+            height: picture.height,
+            pixels: Pixels::RgbaF32(values),
+        });
+    }
+    let image = images::decode(bytes, name, max_texels).map_err(|e| e.message)?;
+    let linear = match image.pixels {
+        Pixels::RgbaF32(values) => values,
+        Pixels::Rgba8(values) => values.iter().map(|v| srgb::decode(f32::from(*v) / 255.0)).collect(),
+        Pixels::Rgba16(values) => values.iter().map(|v| srgb::decode(f32::from(*v) / 65535.0)).collect(),
+    };
+    Ok(Image { pixels: Pixels::RgbaF32(linear), ..image })
+}
+
+/// Whether an asset is to be shown in its own light.
+///
+/// In glTF files emissive surfaces are mostly screens and lamps that nobody means to light the asset with: rasterisers
+/// let them light nothing. There only punctual lights count, and emission stronger than the core format can say
+/// (KHR_materials_emissive_strength).
+pub fn lights_itself(scene: &Scene, format: Option<Format>) -> bool {
+    let meant = |m: &Material| m.emission.factor.iter().any(|e| *e > 1.0);
+    match format {
+        Some(Format::Gltf) => !scene.lights.is_empty() || scene.materials.iter().any(meant),
+        _ => has_own_light(scene),
+    }
+}
+
+/// The light that an asset gets beside its own, with the manifest's words for what lights it.
+pub fn choose(
+    scene: &Scene,
+    format: Option<Format>,
+    settings: &EnvironmentSettings,
+    loaded: Option<&Arc<LoadedEnvironment>>,
+) -> (EnvironmentSource, String) {
+    let own = lights_itself(scene, format);
+    let with_own = |word: &str| if own { format!("own + {word}") } else { word.into() };
+    match settings {
+        EnvironmentSettings::Auto if own => (EnvironmentSource::None, "own".into()),
+        EnvironmentSettings::None => (EnvironmentSource::None, if own { "own" } else { "none" }.into()),
+        EnvironmentSettings::Auto | EnvironmentSettings::Studio => (EnvironmentSource::Studio, with_own("studio")),
+        EnvironmentSettings::Constant(radiance) => (EnvironmentSource::Constant(*radiance), with_own("constant")),
+        EnvironmentSettings::File(file) => match loaded {
+            Some(loaded) => (source(file, loaded), with_own(&loaded.name)),
+            None => (EnvironmentSource::None, if own { "own" } else { "none" }.into()),
+        },
+    }
+}
+
+fn source(file: &EnvironmentFile, loaded: &LoadedEnvironment) -> EnvironmentSource {
+    EnvironmentSource::Image {
+        image: loaded.image.clone(),
+        rotation_y: file.rotation_y_deg.to_radians() as f32,
+        intensity: file.intensity as f32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Picture;
+    use crate::write::Metadata;
+    use kiln_formats::scene::ColorInput;
+
+    #[test]
+    fn assets_without_light_get_the_studio_and_it_is_said() {
+        let dark = Scene { materials: vec![Material::default()], ..Scene::default() };
+        let glow = Material { emission: ColorInput::WHITE, ..Material::default() };
+        let lit = Scene { materials: vec![glow], ..Scene::default() };
+        let words = |scene, settings: &EnvironmentSettings| choose(scene, None, settings, None).1;
+        assert!(matches!(choose(&dark, None, &EnvironmentSettings::Auto, None).0, EnvironmentSource::Studio));
+        assert!(matches!(choose(&lit, None, &EnvironmentSettings::Auto, None).0, EnvironmentSource::None));
+        assert_eq!(words(&dark, &EnvironmentSettings::Auto), "studio");
+        assert_eq!(words(&lit, &EnvironmentSettings::Auto), "own");
+        assert_eq!(words(&dark, &EnvironmentSettings::None), "none");
+        assert_eq!(words(&lit, &EnvironmentSettings::Constant([1.0; 3])), "own + constant");
+        // A glTF file's emission is a lamp only when it is stronger than 1.
+        assert!(!lights_itself(&lit, Some(Format::Gltf)) && lights_itself(&lit, Some(Format::Obj)));
+        let strong = Material { emission: ColorInput::constant([0.0, 5.0, 0.0]), ..Material::default() };
+        assert!(lights_itself(&Scene { materials: vec![strong], ..Scene::default() }, Some(Format::Gltf)));
+    }
+
+    #[test]
+    fn exr_environments_are_read_and_broken_ones_named() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let metadata = Metadata {
+            software: String::new(),
+            source: String::new(),
+            content: String::new(),
+            settings: String::new(),
+            seed: 0,
+            spp: 1,
+            view: 0,
+        };
+        let picture =
+            Picture { width: 2, height: 1, pixels: vec![[1.0, 2.0, 30.0, 1.0], [f32::INFINITY, 0.0, 0.5, 1.0]] };
+        let path = folder.path().join("sky.exr");
+        std::fs::write(&path, exr::encode(&picture, &metadata).expect("small")).expect("write");
+        let loaded = LoadedEnvironment::read(&path).expect("sound");
+        assert_eq!((loaded.image.width, loaded.image.height, loaded.name.as_str()), (2, 1, "sky.exr"));
+        let Pixels::RgbaF32(values) = &loaded.image.pixels else { panic!("floats") };
+        assert_eq!(values[..], [1.0, 2.0, 30.0, 1.0, 0.0, 0.0, 0.5, 1.0]);
+        std::fs::write(&path, b"no picture at all").expect("write");
+        assert!(LoadedEnvironment::read(&path).expect_err("broken").contains("sky.exr"));
+        assert!(LoadedEnvironment::read(&folder.path().join("none.hdr")).is_err());
+    }
+}

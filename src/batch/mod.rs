@@ -1,0 +1,30 @@
+//! From files to files: one asset ([`run_asset`]), or folders of them ([`run`]).
+//!
+//! Nothing here prints or exits; what happens is told to a [`Desk`] or an [`Observer`].
+
+mod asset;
+mod digest;
+mod discover;
+mod environment;
+mod exposure;
+mod facts;
+mod job;
+mod manifest;
+mod outcome;
+mod run;
+mod sink;
+mod stages;
+mod view_file;
+mod views;
+
+pub use asset::{Desk, run_asset, run_asset_with};
+pub use discover::{Discovered, Discovery, Found, Unreadable, discover};
+pub use environment::{LoadedEnvironment, lights_itself};
+pub use facts::{AssetFacts, CameraFacts, LightFacts, MaterialFacts, TextureFacts};
+pub use job::{Job, Output, Stage};
+pub use manifest::Manifest;
+pub use outcome::{Outcome, OutputRecord, Rays, SceneFacts, StageSeconds, Status};
+pub use run::{Assignment, Observer, run};
+pub use sink::{FileSink, MemorySink, Sink};
+pub use view_file::ViewFile;
+pub use views::plan as plan_views;

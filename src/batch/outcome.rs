@@ -1,0 +1,175 @@
+use crate::integrate::RayCounts;
+use crate::settings::PictureFormat;
+use kiln_formats::Warning;
+use serde::{Deserialize, Serialize};
+
+/// How an asset fared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Every picture is there.
+    Ok,
+    /// Every picture is there, but something in the asset was mended or left out.
+    Warned,
+    /// Stopped before every picture was there.
+    Partial,
+    /// No picture, or not all, for the reason in the message.
+    Failed,
+    /// Not begun, or stopped before the first picture.
+    Skipped,
+}
+
+impl Status {
+    /// One word, as in the manifest.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Warned => "warned",
+            Self::Partial => "partial",
+            Self::Failed => "failed",
+            Self::Skipped => "skipped",
+        }
+    }
+
+    /// Whether every picture asked for is there.
+    pub fn is_done(self) -> bool {
+        matches!(self, Self::Ok | Self::Warned)
+    }
+}
+
+/// One picture file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OutputRecord {
+    /// Path below the output folder, with `/`.
+    pub path: String,
+    /// Its format.
+    pub format: PictureFormat,
+    /// Which of the asset's views, from 0.
+    pub view: u32,
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Camera paths per pixel.
+    pub spp: u32,
+    /// Camera paths.
+    pub samples: u64,
+    /// Exposure of the displayed picture, EV.
+    pub exposure: f64,
+    /// RMS error as displayed (0–255); `None`: not measured.
+    pub error: Option<f64>,
+    /// Upper 95 % bound of it; `None`: not measured.
+    pub error_bound: Option<f64>,
+    /// Relative mean square error in linear light; `None`: not measured.
+    pub relmse: Option<f64>,
+    /// Whether the error asked for was reached; `None`: none was asked for.
+    pub target_met: Option<bool>,
+    /// What was asked for that changes the expected picture.
+    pub bias: Vec<String>,
+}
+
+/// What is in the scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneFacts {
+    /// Triangles drawn, counted once per instance.
+    pub triangles: u64,
+    /// Placements of meshes.
+    pub instances: u64,
+    /// Emissive triangles, punctual lights and environments; 0 until prepared.
+    pub emitters: u64,
+    /// Effects that the scene calls for.
+    pub effects: Vec<String>,
+}
+
+/// Seconds by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StageSeconds {
+    /// Reading and decoding.
+    pub import: f64,
+    /// Preparation without the kd-tree.
+    pub prepare: f64,
+    /// Building the kd-tree.
+    pub kdtree: f64,
+    /// Light transport, metering included.
+    pub render: f64,
+    /// Tone mapping, encoding and writing.
+    pub write: f64,
+    /// From beginning to end (wall), or the sum of the stages (CPU).
+    pub total: f64,
+}
+
+/// Rays traced.
+pub type Rays = RayCounts;
+
+/// What became of a job: one line of the manifest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Version of Kiln.
+    pub kiln: String,
+    /// The asset: [`super::Job::name`].
+    pub input: String,
+    /// `blake3:` and the hash of all files read; `None` when the asset could not be read.
+    pub content: Option<String>,
+    /// `blake3:` and the hash of the settings that pixels depend on.
+    pub settings: Option<String>,
+    /// Selects the random numbers.
+    pub seed: u64,
+    /// How it fared.
+    pub status: Status,
+    /// Stable word for why it did not.
+    pub error_code: Option<String>,
+    /// Why it did not, in a sentence with its place.
+    pub error_message: Option<String>,
+    /// What it is lit by: `own`, `studio`, `own + studio`, `constant`, `none`, or the file of the environment.
+    pub light: Option<String>,
+    /// The pictures that are there.
+    pub outputs: Vec<OutputRecord>,
+    /// What was mended or left out.
+    pub warnings: Vec<Warning>,
+    /// What is in the scene; `None` when the asset could not be read.
+    pub scene: Option<SceneFacts>,
+    /// Wall seconds.
+    pub seconds: StageSeconds,
+    /// CPU seconds over all threads that worked for this asset.
+    pub cpu_seconds: StageSeconds,
+    /// Rays traced.
+    pub rays: Rays,
+    /// Samples dropped because they were not finite.
+    pub nonfinite: u64,
+    /// Most memory that the process has held so far (other assets of the batch included); `None` where the system
+    /// does not tell.
+    pub peak_bytes: Option<u64>,
+}
+
+impl Outcome {
+    /// Of a job that has not begun.
+    pub fn skipped(name: &str, seed: u64) -> Self {
+        Self {
+            kiln: env!("CARGO_PKG_VERSION").into(),
+            input: name.into(),
+            content: None,
+            settings: None,
+            seed,
+            status: Status::Skipped,
+            error_code: None,
+            error_message: None,
+            light: None,
+            outputs: Vec::new(),
+            warnings: Vec::new(),
+            scene: None,
+            seconds: StageSeconds::default(),
+            cpu_seconds: StageSeconds::default(),
+            rays: Rays::default(),
+            nonfinite: 0,
+            peak_bytes: None,
+        }
+    }
+
+    /// The manifest line, without a line end.
+    ///
+    /// # Errors
+    /// Only should a number not be finite, which JSON cannot say.
+    pub fn to_line(&self) -> serde_json::Result<String> {
+        serde_json::to_string(self)
+    }
+}

@@ -1,0 +1,145 @@
+use super::console::Console;
+use super::exit::{Exit, Fatal};
+use super::interrupt::Interrupt;
+use super::options::SettingOptions;
+use super::progress::Progress;
+use super::summary;
+use clap::{Args, value_parser};
+use globset::{Glob, GlobSet, GlobSetBuilder};
+use kiln::Control;
+use kiln::batch::{
+    Assignment, Discovery, FileSink, Found, Job, LoadedEnvironment, Manifest, Output, Unreadable, discover, run,
+};
+use kiln::settings::{EnvironmentSettings, PictureFormat, Settings};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  kiln batch assets --out pictures
+  kiln batch chairs tables --out pictures --spp 256 --format png
+  kiln batch assets --out turns --turntable 24 --background '#ffffff'
+  kiln batch assets --out pictures --include '*.glb' --exclude 'old/*' --jobs 4
+  kiln batch assets --out pictures --json | jq 'select(.status == \"failed\")'
+
+A picture is called like its asset: chairs/oak.glb gives pictures/chairs/oak.glb.png and .exr. With several folders,
+each folder's name comes first. manifest.jsonl holds one line per asset.";
+
+/// `kiln batch`.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct BatchCommand {
+    /// Folders that are searched for .gltf, .glb, .obj and .ray files
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Folder for pictures and manifest
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+    /// Only assets whose path below the folder matches (may be repeated; * matches / too)
+    #[arg(long, value_name = "GLOB", value_parser = |text: &str| Glob::new(text))]
+    include: Vec<Glob>,
+    /// No assets and no folders whose path below the folder matches (may be repeated)
+    #[arg(long, value_name = "GLOB", value_parser = |text: &str| Glob::new(text))]
+    exclude: Vec<Glob>,
+    /// Files for each picture
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "png,exr")]
+    format: Vec<PictureFormat>,
+    /// Assets worked on at a time: bounds the memory [default: the number of threads]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=4096))]
+    jobs: Option<u16>,
+    #[command(flatten)]
+    options: SettingOptions,
+}
+
+impl BatchCommand {
+    /// Does it.
+    ///
+    /// # Errors
+    /// When nothing can be begun.
+    pub fn run(self) -> Result<Exit, Fatal> {
+        let begin = Instant::now();
+        let settings = self.options.settings(self.format.clone())?;
+        if let Some(file) = self.folders.iter().find(|f| f.is_file()) {
+            return Err(Fatal::usage(format!("{} is not a folder: kiln render takes one asset", file.display())));
+        }
+        let console = Console::new(self.options.quiet, self.options.verbose);
+        let discovered = discover(&Discovery {
+            folders: self.folders.clone(),
+            include: globs(&self.include)?,
+            exclude: globs(&self.exclude)?,
+            output: self.out.clone(),
+        });
+        for Unreadable { path, message } in &discovered.unreadable {
+            eprintln!("warning: {} cannot be searched: {message}", path.display());
+        }
+        if discovered.found.is_empty() {
+            let folders: Vec<String> = self.folders.iter().map(|f| f.display().to_string()).collect();
+            let matching = if self.include.is_empty() && self.exclude.is_empty() { "" } else { " that matches" };
+            return Err(Fatal::failed(format!(
+                "no .gltf, .glb, .obj or .ray file{matching} below {}",
+                folders.join(", ")
+            )));
+        }
+        let environment = environment(&settings)?;
+        let threads = self.options.start_threads()?;
+        let workers = self.jobs.map_or(threads, usize::from);
+        let jobs: Vec<Job> = discovered.found.iter().map(|found| self.job(found, &settings)).collect();
+        let unwritable =
+            |e: std::io::Error| Fatal::failed(format!("{}: cannot be written to: {e}", self.out.display()));
+        let manifest = Manifest::begin(&self.out).map_err(unwritable)?;
+        let control = Control::default();
+        let interrupt = Interrupt::watch(&control);
+        let progress = Progress::new(console, self.options.json, jobs.len(), workers);
+        let (outcomes, recorded) = run(&Assignment {
+            jobs: &jobs,
+            workers,
+            sink: &FileSink { folder: self.out.clone() },
+            environment,
+            manifest: Some(&manifest),
+            control: &control,
+            observer: &progress,
+        });
+        progress.end();
+        let manifest = self.out.join("manifest.jsonl").display().to_string();
+        if !console.quiet {
+            eprintln!("{}", summary::text(&console, &outcomes, begin.elapsed().as_secs_f64(), &manifest));
+        }
+        if let Err(error) = &recorded {
+            eprintln!("error: {manifest}: cannot be written: {error}");
+        }
+        let whole = discovered.unreadable.is_empty() && recorded.is_ok();
+        Ok(Exit::of(&outcomes, whole, interrupt.happened()))
+    }
+
+    fn job(&self, found: &Found, settings: &Settings) -> Job {
+        Job {
+            input: found.path.clone(),
+            name: found.name(),
+            root: Some(self.options.root.clone().unwrap_or_else(|| found.folder.clone())),
+            output: Output { folder: self.out.clone(), stem: found.relative.clone(), ending: None },
+            settings: settings.clone(),
+        }
+    }
+}
+
+fn globs(patterns: &[Glob]) -> Result<GlobSet, Fatal> {
+    let mut set = GlobSetBuilder::new();
+    patterns.iter().for_each(|glob| {
+        set.add(glob.clone());
+    });
+    set.build().map_err(|e| Fatal::usage(format!("the globs together: {e}")))
+}
+
+/// The environment file of the settings, read once for all assets.
+///
+/// # Errors
+/// When there is one and it cannot be read.
+pub fn environment(settings: &Settings) -> Result<Option<Arc<LoadedEnvironment>>, Fatal> {
+    match &settings.environment {
+        EnvironmentSettings::File(file) => {
+            LoadedEnvironment::read(&file.path).map(|e| Some(Arc::new(e))).map_err(Fatal::failed)
+        }
+        _ => Ok(None),
+    }
+}

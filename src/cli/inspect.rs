@@ -1,0 +1,156 @@
+use super::console::print_line;
+use super::exit::{Exit, Fatal};
+use super::progress::warning;
+use super::summary::plural;
+use clap::Args;
+use kiln::Control;
+use kiln::batch::{AssetFacts, MaterialFacts, TextureFacts, lights_itself};
+use kiln::formats::scene::Projection;
+use kiln::formats::{ErrorCode, Format, ImportOptions, import};
+use kiln::prepare::{EnvironmentSource, prepare};
+use kiln::settings::PrepareSettings;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  kiln inspect chair.glb
+  kiln inspect chair.glb --json | jq .textures";
+
+/// Lists longer than this are cut for people.
+const LISTED: usize = 24;
+
+/// `kiln inspect`.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct InspectCommand {
+    /// A .gltf, .glb, .obj or .ray file
+    asset: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Files that the asset refers to must lie below this folder [default: the parent of the asset's folder]
+    #[arg(long, value_name = "DIR")]
+    root: Option<PathBuf>,
+}
+
+impl InspectCommand {
+    /// Does it.
+    ///
+    /// # Errors
+    /// When the asset cannot be read.
+    pub fn run(self) -> Result<Exit, Fatal> {
+        let name = self.asset.display().to_string();
+        let control = Control::default();
+        let options = ImportOptions { root: self.root.clone(), ..ImportOptions::default() };
+        let imported = import(&self.asset, &options, &control)
+            .map_err(|e| Fatal::failed(format!("{name}: {}: {e}", e.code.as_str())))?;
+        let format = Format::of(&self.asset);
+        let own_light = lights_itself(&imported.scene, format);
+        let facts = AssetFacts::of(format, &imported);
+        let environment = if own_light { EnvironmentSource::None } else { EnvironmentSource::Studio };
+        let prepared = prepare(imported.scene, &environment, &PrepareSettings::default(), &control)
+            .map_err(|_| Fatal::failed(format!("{name}: {}", ErrorCode::Stopped.as_str())))?;
+        let tree = prepared.kdtree_statistics();
+        if self.json {
+            let mut value = serde_json::to_value(&facts).map_err(|e| Fatal::failed(e.to_string()))?;
+            if let Value::Object(object) = &mut value {
+                object.insert("input".into(), name.into());
+                object.insert("light".into(), if own_light { "own" } else { "studio" }.into());
+                object.insert("degenerate_triangles".into(), prepared.degenerate_triangles.into());
+                object.insert("emitters".into(), prepared.emitters.into());
+                object.insert("kdtree".into(), json!(tree));
+            }
+            print_line(&value.to_string());
+        } else {
+            print_line(&text(&name, &facts, own_light));
+            let left_out = match prepared.degenerate_triangles {
+                0 => String::new(),
+                n => format!("; {n} triangles without area are left out"),
+            };
+            print_line(&format!(
+                "kd-tree    {} nodes, {} leaves, depth {}, {} references to {} triangles, {:.1} MB in {:.3} s{left_out}",
+                tree.nodes,
+                tree.leaves,
+                tree.depth,
+                tree.references,
+                tree.triangles,
+                tree.bytes as f64 / 1e6,
+                prepared.times.kdtree
+            ));
+        }
+        Ok(Exit::Done)
+    }
+}
+
+fn text(name: &str, facts: &AssetFacts, own_light: bool) -> String {
+    let format = match facts.format {
+        Some(Format::Gltf) => "glTF",
+        Some(Format::Obj) => "OBJ",
+        Some(Format::Ray) => "ray",
+        None => "unknown",
+    };
+    let mut lines = vec![
+        format!("{name}: {format}, {}", plural(facts.files as usize, "file")),
+        format!(
+            "geometry   {} triangles, {} vertices; meshes: {}, instances: {}",
+            facts.triangles, facts.vertices, facts.meshes, facts.instances
+        ),
+    ];
+    if let Some([low, high]) = facts.bounds {
+        let corner = |p: [f64; 3]| p.map(|x| format!("{x:.4}")).join(" ");
+        lines.push(format!("bounds     {} … {}, {:?} up", corner(low), corner(high), facts.up));
+    }
+    list(&mut lines, "material", &facts.materials, material);
+    list(&mut lines, "texture", &facts.textures, texture);
+    list(&mut lines, "light", &facts.lights, |l| format!("{:11} {}", l.kind, quoted(&l.name)));
+    lines.push(format!("lit by     {}", if own_light { "its own light" } else { "the studio: it brings no lights" }));
+    list(&mut lines, "camera", &facts.cameras, |c| {
+        let fov = c.vertical_fov_deg.map_or(String::new(), |f| format!(", {f:.1}° high"));
+        let aspect = c.aspect.map_or(String::new(), |a| format!(", aspect {a:.3}"));
+        let kind = match c.projection {
+            Projection::Perspective => "perspective",
+            Projection::Orthographic => "orthographic",
+        };
+        format!("{kind:12} {}{fov}{aspect}", quoted(&c.name))
+    });
+    list(&mut lines, "warning", &facts.warnings, warning);
+    lines.join("\n")
+}
+
+fn material(m: &MaterialFacts) -> String {
+    let mut words = vec![format!("{:11} {}", m.kind, quoted(&m.name))];
+    if m.alpha != "opaque" {
+        words.push(format!("alpha {}", m.alpha));
+    }
+    if m.emits {
+        words.push("emits".into());
+    }
+    if !m.double_sided {
+        words.push("single-sided".into());
+    }
+    if !m.textures.is_empty() {
+        let indices: Vec<String> = m.textures.iter().map(ToString::to_string).collect();
+        words.push(format!("textures {}", indices.join(" ")));
+    }
+    words.join(", ")
+}
+
+fn texture(t: &TextureFacts) -> String {
+    format!("{}×{}, {} bit {}, {}", t.width, t.height, t.bits, t.color_space, quoted(&t.name))
+}
+
+fn quoted(name: &str) -> String {
+    if name.is_empty() { "(no name)".into() } else { format!("'{name}'") }
+}
+
+fn list<T>(lines: &mut Vec<String>, word: &str, items: &[T], tell: impl Fn(&T) -> String) {
+    if items.is_empty() {
+        return;
+    }
+    lines.push(plural(items.len(), word));
+    lines.extend(items.iter().take(LISTED).enumerate().map(|(i, item)| format!("  {i:3}  {}", tell(item))));
+    if items.len() > LISTED {
+        lines.push(format!("  … and {} more (--json lists all)", items.len() - LISTED));
+    }
+}

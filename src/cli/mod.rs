@@ -1,0 +1,59 @@
+//! The command line: one file a subcommand, and what they share.
+
+mod batch;
+mod console;
+mod exit;
+mod inspect;
+mod interrupt;
+mod options;
+mod progress;
+mod render;
+mod summary;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+const ABOUT: &str = "Turns folders of 3D assets into path-traced pictures";
+const EXAMPLES: &str = "\
+Examples:
+  kiln batch assets --out pictures            every asset below assets, PNG and EXR, with a manifest
+  kiln batch assets --out turns --turntable 24
+  kiln render chair.glb                       chair.glb.png in the current folder
+  kiln render chair.glb -o chair.exr --width 1024 --spp 256
+  kiln inspect chair.glb                      what is in it
+
+Exit codes: 0 all done, 1 failed, 2 usage, 3 done in part, 130 interrupted";
+
+#[derive(Parser)]
+#[command(name = "kiln", version, about = ABOUT, after_help = EXAMPLES, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render one asset to one picture, or to a turntable
+    Render(render::RenderCommand),
+    /// Render every asset below folders to pictures and a manifest
+    Batch(batch::BatchCommand),
+    /// Tell what is in an asset
+    Inspect(inspect::InspectCommand),
+}
+
+/// Parses the arguments, does what they ask for and gives the exit code.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    // What panics is told in the outcome; the default hook's text would garble the progress bars.
+    std::panic::set_hook(Box::new(|info| {
+        if std::env::var_os("RUST_BACKTRACE").is_some() {
+            eprintln!("{info}\n{}", std::backtrace::Backtrace::force_capture());
+        }
+    }));
+    let done = match cli.command {
+        Command::Render(command) => command.run(),
+        Command::Batch(command) => command.run(),
+        Command::Inspect(command) => command.run(),
+    };
+    done.unwrap_or_else(|error| error.report()).into()
+}

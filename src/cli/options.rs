@@ -1,0 +1,170 @@
+use super::exit::Fatal;
+use clap::{Args, value_parser};
+use kiln::batch::ViewFile;
+use kiln::settings::{
+    Background, BitDepth, CameraChoice, EnvironmentSettings, Exposure, KdTreeBuilder, PictureFormat, PictureSettings,
+    PrepareSettings, RenderSettings, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
+};
+use std::path::PathBuf;
+
+/// What `render` and `batch` have in common.
+#[derive(Args, Clone, Debug)]
+pub struct SettingOptions {
+    /// Width of the pictures in pixels [default: 256, or the view file's]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=32768), help_heading = "Pictures")]
+    width: Option<u32>,
+    /// Height of the pictures in pixels [default: the width, or the view file's]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=32768), help_heading = "Pictures")]
+    height: Option<u32>,
+    /// Tone mapping of PNG files
+    #[arg(long, value_enum, default_value_t, help_heading = "Pictures")]
+    tonemap: ToneMap,
+    /// Exposure of PNG files in EV, or auto
+    #[arg(long, value_name = "auto|EV", default_value = "0", allow_hyphen_values = true, help_heading = "Pictures")]
+    exposure: Exposure,
+    /// transparent, environment, or a colour as #rrggbb [default: transparent; environment with a --view that has one]
+    #[arg(long, value_name = "WHAT", help_heading = "Pictures")]
+    background: Option<Background>,
+    /// Bits per channel of PNG files
+    #[arg(long, value_enum, default_value_t, help_heading = "Pictures")]
+    bits: BitDepth,
+
+    /// The asset's camera with this name or index, or auto [default: the asset's first, auto without one]
+    #[arg(long, value_name = "NAME|auto", help_heading = "View and light", conflicts_with_all = ["view", "turntable"])]
+    camera: Option<CameraChoice>,
+    /// Camera, size, depth and environment from a JSON file
+    #[arg(long, value_name = "FILE.json", help_heading = "View and light")]
+    view: Option<PathBuf>,
+    /// N auto-framed pictures around the asset
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=100_000), conflicts_with = "view", help_heading = "View and light")]
+    turntable: Option<u32>,
+    /// Which axis is up for auto-framing and turntables
+    #[arg(long, value_enum, default_value_t, help_heading = "View and light")]
+    up: UpChoice,
+    /// Light: auto (studio for assets without light), none, studio, constant:R,G,B, or an equirectangular HDR or EXR file
+    #[arg(long, value_name = "FILE|WORD", help_heading = "View and light")]
+    env: Option<EnvironmentSettings>,
+
+    /// Camera paths per pixel
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = value_parser!(u32).range(1..=1 << 24), help_heading = "Sampling")]
+    spp: u32,
+    /// Selects the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Sampling")]
+    seed: u64,
+    /// Scattering events per path at most [default: 16, or the view file's]
+    #[arg(long, value_name = "N", help_heading = "Sampling")]
+    max_depth: Option<u32>,
+    /// How direct light is estimated
+    #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
+    strategy: Strategy,
+    /// Light samples per path vertex
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u32).range(1..=4096), help_heading = "Sampling")]
+    light_samples: u32,
+    /// Where random numbers come from
+    #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
+    sampler: SamplerKind,
+    /// How the kd-tree is built
+    #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
+    kdtree: KdTreeBuilder,
+    /// Every point light becomes a soft light of this radius [1 unless given]
+    #[arg(long, value_name = "RADIUS", num_args = 0..=1, default_missing_value = "1", value_parser = radius, help_heading = "Sampling")]
+    point_lights: Option<f64>,
+    /// Area lights of .ray files become true sphere emitters
+    #[arg(long, help_heading = "Sampling")]
+    physical_lights: bool,
+
+    /// Instruction set; does not change the pictures
+    #[arg(long, value_enum, value_name = "TIER", default_value_t, help_heading = "Machine")]
+    simd: SimdTier,
+    /// Threads that render [default: one per core]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=4096), help_heading = "Machine")]
+    threads: Option<u16>,
+    /// Files that assets refer to must lie below this folder [default: batch: the searched folder; render: the parent
+    /// of the asset's folder]
+    #[arg(long, value_name = "DIR", help_heading = "Machine")]
+    pub root: Option<PathBuf>,
+
+    /// Say nothing but errors
+    #[arg(short, long, help_heading = "Messages", conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say more: every warning
+    #[arg(short, long, help_heading = "Messages")]
+    pub verbose: bool,
+    /// Print manifest lines (one JSON object per asset) on stdout
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+}
+
+fn radius(text: &str) -> Result<f64, String> {
+    let radius = text.parse::<f64>().ok().filter(|r| r.is_finite() && *r > 0.0);
+    radius.ok_or_else(|| format!("'{text}' is not a radius: a number greater than 0"))
+}
+
+impl SettingOptions {
+    /// The settings asked for.
+    ///
+    /// # Errors
+    /// When the view file cannot be read.
+    pub fn settings(&self, mut formats: Vec<PictureFormat>) -> Result<Settings, Fatal> {
+        let file = self.view.as_deref().map(ViewFile::read).transpose().map_err(Fatal::usage)?;
+        let of_file = |get: fn(&ViewFile) -> Option<u32>| file.as_ref().and_then(get);
+        let views = ViewSettings::default();
+        let width = self.width.or_else(|| of_file(|f| f.size.0)).unwrap_or(views.width);
+        let height = self.height.or_else(|| of_file(|f| f.size.1)).unwrap_or(width);
+        let render = RenderSettings::default();
+        formats.sort_unstable();
+        formats.dedup();
+        let environment = self.env.clone().or_else(|| file.as_ref().map(|f| f.environment.clone()));
+        let background = self.background.or_else(|| file.as_ref().map(|f| f.background));
+        Ok(Settings {
+            views: ViewSettings {
+                width,
+                height,
+                camera: self.camera.clone().unwrap_or_default(),
+                turntable: self.turntable,
+                up: self.up,
+                fixed: file.as_ref().map(|f| f.view),
+            },
+            environment: environment.unwrap_or_default(),
+            prepare: PrepareSettings {
+                kdtree: self.kdtree,
+                point_lights: self.point_lights,
+                physical_lights: self.physical_lights,
+                simd: self.simd,
+            },
+            render: RenderSettings {
+                spp: self.spp,
+                seed: self.seed,
+                max_depth: self.max_depth.or_else(|| of_file(|f| f.max_depth)).unwrap_or(render.max_depth),
+                strategy: self.strategy,
+                light_samples: self.light_samples,
+                sampler: self.sampler,
+            },
+            pictures: PictureSettings {
+                tonemap: self.tonemap,
+                exposure: self.exposure,
+                background: background.unwrap_or_default(),
+                bits: self.bits,
+                formats,
+            },
+        })
+    }
+
+    /// Whether the pictures are turntables.
+    pub fn is_turntable(&self) -> bool {
+        self.turntable.is_some()
+    }
+
+    /// Makes the rayon pool that all assets share and gives its number of threads.
+    ///
+    /// # Errors
+    /// When threads cannot be made.
+    pub fn start_threads(&self) -> Result<usize, Fatal> {
+        let threads = self.threads.map_or(0, usize::from);
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .map_err(|e| Fatal::failed(format!("threads cannot be made: {e}")))?;
+        Ok(rayon::current_num_threads())
+    }
+}

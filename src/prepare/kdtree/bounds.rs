@@ -1,0 +1,112 @@
+//! Boxes and references: what the builders push around.
+
+/// An axis-aligned box as eight numbers: the lower corner, a free slot, the negated upper corner, a free slot. Merging
+/// two boxes is one minimum over all eight. A [`Reference`] keeps its triangle's number in the first free slot.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Bounds(pub [f32; 8]);
+
+/// A box around what one cell sees of a triangle.
+pub type Reference = Bounds;
+
+impl Bounds {
+    /// Holds nothing; the identity of [`Bounds::merge`].
+    pub const EMPTY: Self = Self([f32::INFINITY; 8]);
+
+    /// From corners.
+    pub fn new(lo: [f32; 3], hi: [f32; 3]) -> Self {
+        Self([lo[0], lo[1], lo[2], 0.0, -hi[0], -hi[1], -hi[2], 0.0])
+    }
+
+    /// The same box as a reference to a triangle.
+    pub fn of_triangle(self, triangle: u32) -> Reference {
+        let mut reference = self;
+        reference.0[3] = f32::from_bits(triangle);
+        reference
+    }
+
+    /// The triangle that a reference refers to.
+    #[inline(always)]
+    pub fn triangle(&self) -> u32 {
+        self.0[3].to_bits()
+    }
+
+    /// Lower end on an axis.
+    #[inline(always)]
+    pub fn lo(&self, axis: usize) -> f32 {
+        self.0[axis]
+    }
+
+    /// Upper end on an axis.
+    #[inline(always)]
+    pub fn hi(&self, axis: usize) -> f32 {
+        -self.0[4 + axis]
+    }
+
+    /// Sets the lower end on an axis.
+    pub fn set_lo(&mut self, axis: usize, x: f32) {
+        self.0[axis] = x;
+    }
+
+    /// Sets the upper end on an axis.
+    pub fn set_hi(&mut self, axis: usize, x: f32) {
+        self.0[4 + axis] = -x;
+    }
+
+    /// Grows to hold another box too. The free slots become meaningless.
+    #[inline(always)]
+    pub fn merge(&mut self, other: &Self) {
+        for (mine, theirs) in self.0.iter_mut().zip(&other.0) {
+            *mine = if *theirs < *mine { *theirs } else { *mine };
+        }
+    }
+
+    /// The box around several.
+    pub fn around<'a>(boxes: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut all = Self::EMPTY;
+        for b in boxes {
+            all.merge(b);
+        }
+        all
+    }
+
+    /// What two boxes share; it may be empty.
+    pub fn intersection(&self, other: &Self) -> Self {
+        let mut shared = *self;
+        for (mine, theirs) in shared.0.iter_mut().zip(&other.0) {
+            *mine = if *theirs > *mine { *theirs } else { *mine };
+        }
+        shared
+    }
+
+    /// Whether no point lies inside. A box without thickness is not empty.
+    pub fn is_empty(&self) -> bool {
+        (0..3).any(|axis| self.lo(axis) > self.hi(axis))
+    }
+
+    /// Whether another box lies inside, its border included.
+    pub fn contains(&self, other: &Self) -> bool {
+        (0..3).all(|axis| self.lo(axis) <= other.lo(axis) && self.hi(axis) >= other.hi(axis))
+    }
+
+    /// Half the surface; 0 for an empty box.
+    #[inline(always)]
+    pub fn half_area(&self) -> f32 {
+        let x = (-self.0[4] - self.0[0]).max(0.0);
+        let y = (-self.0[5] - self.0[1]).max(0.0);
+        let z = (-self.0[6] - self.0[2]).max(0.0);
+        x * y + y * z + z * x
+    }
+
+    /// The axis along which it is longest.
+    pub fn longest_axis(&self) -> usize {
+        let extent = |axis: usize| self.hi(axis) - self.lo(axis);
+        let mut longest = 0;
+        for axis in 1..3 {
+            if extent(axis) > extent(longest) {
+                longest = axis;
+            }
+        }
+        longest
+    }
+}

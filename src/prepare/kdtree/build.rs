@@ -1,0 +1,266 @@
+//! The recursion that all builders share: choose a plane, deal the references to its sides, cut those on both.
+
+use super::bounds::{Bounds, Reference};
+use super::split::{Cell, MAX_DEPTH, Plane, mix, sides};
+use super::{BuildOptions, Triangles, clip, median, sah, sampled};
+use crate::settings::KdTreeBuilder;
+use kiln_formats::{Control, Stopped};
+use rayon::prelude::*;
+
+/// Above this many references, the two sides of a plane are built in parallel.
+const FORK_ABOVE: usize = 16 * 1024;
+/// A tree has at most this many references for each triangle.
+const MAX_REFERENCES_PER_TRIANGLE: f64 = 2.5;
+/// Duplicates that even the smallest scene may have.
+const MIN_BUDGET: usize = 32;
+/// How many references are made between two looks at the control.
+const POLL_EVERY: usize = 4096;
+
+/// A cell of the built tree. Cells come in depth-first order: the left child follows its parent.
+#[derive(Clone, Copy, Debug)]
+pub struct BuiltCell {
+    /// The box around the cell's references.
+    pub bounds: Bounds,
+    /// What the cell is.
+    pub kind: BuiltKind,
+}
+
+/// What a cell of the built tree is.
+#[derive(Clone, Copy, Debug)]
+pub enum BuiltKind {
+    /// Split by a plane.
+    Split {
+        /// The plane.
+        plane: Plane,
+        /// Distance from this cell to its right child in the order of cells.
+        right: u32,
+    },
+    /// Not split.
+    Leaf {
+        /// Its references are the next so many of the list.
+        count: u32,
+    },
+}
+
+/// The binary tree as it comes out of a builder.
+#[derive(Clone, Debug, Default)]
+pub struct Built {
+    /// Cells, depth first. Empty when there are no triangles.
+    pub cells: Vec<BuiltCell>,
+    /// The triangles of all leaves, in the order of the leaves.
+    pub triangles: Vec<u32>,
+}
+
+struct Context<'a, T> {
+    triangles: &'a T,
+    options: &'a BuildOptions,
+    control: &'a Control,
+}
+
+/// Builds the binary tree.
+pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Control) -> Result<Built, Stopped> {
+    control.check()?;
+    let n = u32::try_from(triangles.len()).unwrap_or(u32::MAX);
+    let make = |triangle: u32| -> Result<Reference, Stopped> {
+        if (triangle as usize).is_multiple_of(POLL_EVERY) {
+            control.check()?;
+        }
+        Ok(clip::whole(&corners(triangles, triangle)).of_triangle(triangle))
+    };
+    let refs = (0..n).into_par_iter().map(make).collect::<Result<Vec<_>, _>>()?;
+    let mut out = Built::default();
+    if refs.is_empty() {
+        return Ok(out);
+    }
+    let budget = MIN_BUDGET + (refs.len() as f64 * (MAX_REFERENCES_PER_TRIANGLE - 1.0)) as usize;
+    let root = Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 };
+    Context { triangles, options, control }.fork(refs, root, &mut out)?;
+    Ok(out)
+}
+
+fn corners<T: Triangles>(triangles: &T, triangle: u32) -> [[f32; 3]; 3] {
+    triangles.vertices(triangle).map(|v| v.to_array())
+}
+
+/// The two sides of a plane.
+struct Sides {
+    plane: Plane,
+    left: Cell,
+    right: Cell,
+}
+
+impl<T: Triangles> Context<'_, T> {
+    /// Builds a large cell: its sides in parallel, each with memory of its own.
+    fn fork(&self, mut refs: Vec<Reference>, cell: Cell, out: &mut Built) -> Result<(), Stopped> {
+        self.control.check()?;
+        if refs.len() <= FORK_ABOVE {
+            return self.descend(&mut refs, 0, cell, out);
+        }
+        let Some(plane) = self.choose(&refs, &cell) else {
+            leaf(&refs, &cell, out);
+            return Ok(());
+        };
+        let mut right_refs = Vec::new();
+        let Some(sides) = self.deal(&mut refs, 0, &mut right_refs, plane, &cell) else {
+            leaf(&refs, &cell, out);
+            return Ok(());
+        };
+        refs.shrink_to_fit();
+        let at = out.begin_split(&cell, sides.plane);
+        let mut right_out = Built::default();
+        let (left, right) =
+            rayon::join(|| self.fork(refs, sides.left, out), || self.fork(right_refs, sides.right, &mut right_out));
+        left?;
+        right?;
+        out.begin_right(at);
+        out.cells.append(&mut right_out.cells);
+        out.triangles.append(&mut right_out.triangles);
+        Ok(())
+    }
+
+    /// Builds a small cell whose references are `arena[base..]`; takes them off the arena.
+    fn descend(&self, arena: &mut Vec<Reference>, base: usize, cell: Cell, out: &mut Built) -> Result<(), Stopped> {
+        let n = arena.len() - base;
+        if n >= POLL_EVERY {
+            self.control.check()?;
+        }
+        let mut right_refs = Vec::new();
+        let sides =
+            self.choose(&arena[base..], &cell).and_then(|plane| self.deal(arena, base, &mut right_refs, plane, &cell));
+        let Some(sides) = sides else {
+            leaf(&arena[base..], &cell, out);
+            arena.truncate(base);
+            return Ok(());
+        };
+        let at = out.begin_split(&cell, sides.plane);
+        // The right side waits behind the left one's working space.
+        self.descend(arena, base, sides.left, out)?;
+        out.begin_right(at);
+        arena.append(&mut right_refs);
+        self.descend(arena, base, sides.right, out)
+    }
+
+    fn choose(&self, refs: &[Reference], cell: &Cell) -> Option<Plane> {
+        if sah::is_small(refs.len()) || cell.depth >= MAX_DEPTH {
+            return None;
+        }
+        match self.options.builder {
+            KdTreeBuilder::Median => median::choose(refs, cell),
+            KdTreeBuilder::Sampled => sampled::choose(refs, cell, self.options.seed),
+            KdTreeBuilder::Sah => sah::choose(refs, cell),
+        }
+    }
+
+    /// Deals `refs[base..]` to the sides of a plane: the left side stays in place, the right one goes to `right`. `None`,
+    /// with the references as they were, when the plane gains nothing or costs more duplicates than the cell may have.
+    fn deal(
+        &self,
+        refs: &mut Vec<Reference>,
+        base: usize,
+        right: &mut Vec<Reference>,
+        plane: Plane,
+        cell: &Cell,
+    ) -> Option<Sides> {
+        let n = refs.len() - base;
+        let (n_left, n_right, both) = super::split::count_sides(&refs[base..], plane);
+        if n_left == 0 || n_right == 0 || (n_left == n && n_right == n) || both > cell.budget {
+            return None;
+        }
+        right.reserve_exact(n_right);
+        let (mut left_bounds, mut right_bounds) = (Bounds::EMPTY, Bounds::EMPTY);
+        let mut kept = base;
+        for i in base..refs.len() {
+            let reference = refs[i];
+            let (l, r) = sides(&reference, plane);
+            let (left_part, right_part) = match (l, r) {
+                (true, true) => self.cut(&reference, plane),
+                (true, false) => (Some(reference), None),
+                _ => (None, Some(reference)),
+            };
+            if let Some(part) = left_part {
+                left_bounds.merge(&part);
+                refs[kept] = part;
+                kept += 1;
+            }
+            if let Some(part) = right_part {
+                right_bounds.merge(&part);
+                right.push(part);
+            }
+        }
+        refs.truncate(kept);
+        let (n_left, n_right) = (kept - base, right.len());
+        let spare = cell.budget.saturating_sub((n_left + n_right).saturating_sub(n));
+        let left_share = (spare as f64 * n_left as f64 / (n_left + n_right) as f64) as usize;
+        let child = |bounds: Bounds, budget: usize, side: u64| Cell {
+            bounds,
+            depth: cell.depth + 1,
+            budget,
+            path: mix(cell.path.wrapping_mul(2).wrapping_add(side)),
+        };
+        Some(Sides {
+            plane,
+            left: child(left_bounds, left_share, 0),
+            right: child(right_bounds, spare - left_share, 1),
+        })
+    }
+
+    /// Cuts a reference at a plane. At least one part remains: a box around nothing would lose a triangle.
+    fn cut(&self, reference: &Reference, plane: Plane) -> (Option<Reference>, Option<Reference>) {
+        let triangle = reference.triangle();
+        let corners = corners(self.triangles, triangle);
+        let (mut below, mut above) = (*reference, *reference);
+        below.set_hi(plane.axis, plane.at);
+        above.set_lo(plane.axis, plane.at);
+        let part = |cell: &Bounds| clip::clipped(&corners, cell).map(|b| b.of_triangle(triangle));
+        match (part(&below), part(&above)) {
+            (None, None) => (Some(below), Some(above)),
+            parts => parts,
+        }
+    }
+}
+
+fn leaf(refs: &[Reference], cell: &Cell, out: &mut Built) {
+    out.cells.push(BuiltCell { bounds: cell.bounds, kind: BuiltKind::Leaf { count: refs.len() as u32 } });
+    out.triangles.extend(refs.iter().map(Reference::triangle));
+}
+
+impl Built {
+    fn begin_split(&mut self, cell: &Cell, plane: Plane) -> usize {
+        self.cells.push(BuiltCell { bounds: cell.bounds, kind: BuiltKind::Split { plane, right: 0 } });
+        self.cells.len() - 1
+    }
+
+    fn begin_right(&mut self, split: usize) {
+        let distance = (self.cells.len() - split) as u32;
+        if let Some(BuiltKind::Split { right, .. }) = self.cells.get_mut(split).map(|cell| &mut cell.kind) {
+            *right = distance;
+        }
+    }
+}
+
+impl Built {
+    /// Planes above the deepest leaf.
+    pub fn depth(&self) -> u32 {
+        // Depth first, a leaf ends the most recent left side whose right one is still to come.
+        let mut open: Vec<u32> = vec![0];
+        let mut deepest = 0;
+        for cell in &self.cells {
+            let depth = open.pop().unwrap_or(0);
+            deepest = deepest.max(depth);
+            if matches!(cell.kind, BuiltKind::Split { .. }) {
+                open.extend([depth + 1, depth + 1]);
+            }
+        }
+        deepest
+    }
+
+    /// The expected cost of a ray that meets the root.
+    pub fn cost(&self) -> f64 {
+        let root_area = self.cells.first().map_or(0.0, |root| root.bounds.half_area());
+        let cells = self.cells.iter().map(|cell| match cell.kind {
+            BuiltKind::Split { .. } => (cell.bounds.half_area(), None),
+            BuiltKind::Leaf { count } => (cell.bounds.half_area(), Some(count as usize)),
+        });
+        sah::tree_cost(root_area, cells)
+    }
+}

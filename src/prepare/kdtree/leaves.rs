@@ -1,0 +1,123 @@
+//! The triangles of leaves, laid out for kernels that test a block at once.
+//!
+//! A leaf of n references is a sequence of blocks of up to 16; a block of m is ten arrays of m words, one after the
+//! other: x, y, z of the first corners, of the second, of the third, and the triangles' numbers. Blocks begin at
+//! multiples of 32 bytes. So a reference takes 40 bytes, and a kernel reads an array with one masked load.
+
+use super::Triangles;
+use super::aligned::AlignedWords;
+use super::build::{Built, BuiltKind};
+use super::split::BLOCK;
+
+/// Words of a grain, the unit in which places in the store are counted.
+const GRAIN: usize = 8;
+/// Words of a reference in a block.
+const ARRAYS: usize = 10;
+/// Words after the last block, so that sixteen-lane loads never leave the store.
+const SLACK: usize = 16;
+
+/// The leaves' triangles.
+#[derive(Debug)]
+pub struct LeafStore {
+    words: AlignedWords,
+}
+
+/// Where a leaf lies in the store.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Leaf {
+    /// Its first grain.
+    pub first: u32,
+    /// Its references.
+    pub count: u32,
+}
+
+/// A block of up to 16 references: ten arrays of `len` words.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<'a> {
+    /// References in it.
+    pub len: usize,
+    /// Its words, and whatever follows.
+    pub words: &'a [u32],
+}
+
+fn grains_of(block: usize) -> usize {
+    (block * ARRAYS).div_ceil(GRAIN)
+}
+
+/// Grains that a leaf fills.
+fn grains_of_leaf(count: usize) -> usize {
+    (count / BLOCK) * grains_of(BLOCK) + grains_of(count % BLOCK)
+}
+
+impl LeafStore {
+    /// Lays out the leaves of a built tree; also says where each begins, in their order.
+    pub fn new<T: Triangles>(built: &Built, triangles: &T) -> (Self, Vec<Leaf>) {
+        let mut leaves = Vec::new();
+        let mut first = 0;
+        for cell in &built.cells {
+            if let BuiltKind::Leaf { count } = cell.kind {
+                leaves.push(Leaf { first, count });
+                first += grains_of_leaf(count as usize) as u32;
+            }
+        }
+        let mut store = AlignedWords::zeroed(first as usize * GRAIN + SLACK);
+        let words = store.as_mut_slice();
+        let mut ids = built.triangles.as_slice();
+        for leaf in &leaves {
+            let (mine, rest) = ids.split_at(leaf.count as usize);
+            ids = rest;
+            let mut at = leaf.first as usize * GRAIN;
+            for block in mine.chunks(BLOCK) {
+                fill(&mut words[at..at + block.len() * ARRAYS], block, triangles);
+                at += grains_of(block.len()) * GRAIN;
+            }
+        }
+        (Self { words: store }, leaves)
+    }
+
+    /// The blocks of a leaf.
+    #[inline(always)]
+    pub fn blocks(&self, leaf: Leaf) -> impl Iterator<Item = Block<'_>> {
+        let words = &self.words.as_slice()[leaf.first as usize * GRAIN..];
+        (0..leaf.count as usize).step_by(BLOCK).map(move |begin| {
+            let len = (leaf.count as usize - begin).min(BLOCK);
+            Block { len, words: &words[begin * ARRAYS..] }
+        })
+    }
+
+    /// All words.
+    pub fn words(&self) -> &[u32] {
+        self.words.as_slice()
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.words.as_slice())
+    }
+}
+
+fn fill<T: Triangles>(words: &mut [u32], ids: &[u32], triangles: &T) {
+    let n = ids.len();
+    for (i, &id) in ids.iter().enumerate() {
+        let coordinates = triangles.vertices(id).map(|v| v.to_array());
+        for (k, x) in coordinates.as_flattened().iter().enumerate() {
+            words[k * n + i] = x.to_bits();
+        }
+        words[9 * n + i] = id;
+    }
+}
+
+impl Block<'_> {
+    /// The corners of a reference's triangle.
+    #[inline(always)]
+    pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
+        let at = |k: usize| f32::from_bits(self.words[k * self.len + i]);
+        [[at(0), at(1), at(2)], [at(3), at(4), at(5)], [at(6), at(7), at(8)]]
+    }
+
+    /// The number of a reference's triangle.
+    #[inline(always)]
+    pub fn triangle(&self, i: usize) -> u32 {
+        self.words[9 * self.len + i]
+    }
+}

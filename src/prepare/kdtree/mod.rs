@@ -1,0 +1,152 @@
+//! The kd-tree: axis-aligned planes, disjoint cells, a triangle in every cell that it touches.
+//!
+//! [`build`] makes the binary tree, [`leaves`] lays out its triangles, [`binary`] traverses it by its planes: that is the
+//! definition. Every other form finds the same hits, bit for bit, which are those of brute force over all triangles with
+//! the test of [`crate::math::triangle`]; [`slab`] has the reason why no hit is lost.
+
+mod aligned;
+mod binary;
+mod bounds;
+mod build;
+mod clip;
+mod leaves;
+mod median;
+mod sah;
+mod sampled;
+mod slab;
+mod split;
+mod validate;
+
+use crate::math::simd::SimdTier;
+use crate::math::{Hit, Ray};
+use crate::settings::KdTreeBuilder;
+use bounds::Bounds;
+use glam::Vec3;
+use kiln_formats::{Control, Stopped};
+use std::time::Instant;
+
+/// What a tree is built over. Vertices are finite and of magnitude below 1e15; degenerate triangles do no harm.
+pub trait Triangles: Sync {
+    /// Number of triangles.
+    fn len(&self) -> usize;
+
+    /// Whether there are none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The corners of a triangle.
+    fn vertices(&self, triangle: u32) -> [Vec3; 3];
+}
+
+/// How a tree is built and traversed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BuildOptions {
+    /// How planes are chosen.
+    pub builder: KdTreeBuilder,
+    /// Selects the planes of [`KdTreeBuilder::Sampled`].
+    pub seed: u64,
+    /// The instructions that traversal may use; lowered to what the machine has.
+    pub simd: SimdTier,
+}
+
+/// What a tree is like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Statistics {
+    /// Triangles.
+    pub triangles: u64,
+    /// Nodes of the binary tree, leaves included.
+    pub nodes: u64,
+    /// Leaves.
+    pub leaves: u64,
+    /// References from leaves to triangles.
+    pub references: u64,
+    /// Planes above the deepest leaf.
+    pub depth: u32,
+    /// Expected cost of a ray that meets the root, by the surface area heuristic.
+    pub sah_cost: f64,
+    /// Bytes of the tree and its leaves.
+    pub bytes: u64,
+    /// Wall seconds of the build.
+    pub build_seconds: f64,
+}
+
+/// A kd-tree over triangles, with a copy of their corners in its leaves.
+#[derive(Debug)]
+pub struct KdTree {
+    bounds: Bounds,
+    nodes: Vec<binary::Node>,
+    leaves: leaves::LeafStore,
+    statistics: Statistics,
+}
+
+impl KdTree {
+    /// Builds a tree on the current rayon pool; it is the same on any number of threads.
+    ///
+    /// # Errors
+    /// [`Stopped`] when `control` asks for it.
+    pub fn build(triangles: &impl Triangles, options: &BuildOptions, control: &Control) -> Result<Self, Stopped> {
+        let begin = Instant::now();
+        let built = build::build(triangles, options, control)?;
+        control.check()?;
+        let (leaves, places) = leaves::LeafStore::new(&built, triangles);
+        let nodes = binary::compile(&built, &places);
+        let bounds = built.cells.first().map_or(Bounds::EMPTY, |root| root.bounds);
+        let mut tree = Self { bounds, nodes, leaves, statistics: Statistics::default() };
+        tree.statistics = Statistics {
+            triangles: triangles.len() as u64,
+            nodes: tree.nodes.len() as u64,
+            leaves: places.len() as u64,
+            references: built.triangles.len() as u64,
+            depth: built.depth(),
+            sah_cost: built.cost(),
+            bytes: (size_of_val(tree.nodes.as_slice()) + tree.leaves.bytes()) as u64,
+            build_seconds: begin.elapsed().as_secs_f64(),
+        };
+        Ok(tree)
+    }
+
+    /// The nearest hit with `0 < t < ray.t_max` among those that `accept` lets through; of several at the same distance
+    /// the triangle of the lowest number. `accept` must answer alike when it is asked twice about a triangle and a ray.
+    pub fn closest(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        binary::nearest(self.binary(), ray, false, accept)
+    }
+
+    /// Whether any accepted hit lies on the ray.
+    pub fn occluded(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
+        binary::nearest(self.binary(), ray, true, accept).is_some()
+    }
+
+    /// [`KdTree::closest`] by the planes of the binary tree, in plain code: the definition.
+    pub fn closest_by_planes(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        binary::nearest(self.binary(), ray, false, accept)
+    }
+
+    /// [`KdTree::occluded`] by the planes of the binary tree, in plain code: the definition.
+    pub fn occluded_by_planes(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
+        binary::nearest(self.binary(), ray, true, accept).is_some()
+    }
+
+    /// What the tree is like.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// Checks the tree against the triangles that it was built over: cells are disjoint and cover the root, every
+    /// triangle is in every cell that it touches, every reference is to a triangle of that place.
+    ///
+    /// # Errors
+    /// What is wrong, in a sentence.
+    pub fn validate(&self, triangles: &impl Triangles) -> Result<(), String> {
+        validate::binary(self.binary(), triangles)
+    }
+
+    /// Whether two trees have the same cells and the same leaves, word for word.
+    pub fn same_as(&self, other: &Self) -> bool {
+        self.nodes == other.nodes && self.leaves.words() == other.leaves.words()
+    }
+
+    fn binary(&self) -> binary::Tree<'_> {
+        binary::Tree { nodes: &self.nodes, bounds: &self.bounds, leaves: &self.leaves }
+    }
+}

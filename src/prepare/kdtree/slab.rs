@@ -1,0 +1,112 @@
+//! When a ray is inside a box: bounds that lose no hit.
+//!
+//! Let a ray o + t·d be reported to hit a triangle of largest extent D at the (rounded) distance t, and let u = 2⁻²⁴.
+//! On each axis i, the watertight test (`math::triangle`) shears each corner with an error of at most
+//! `u·(2·|v_i − o_i| + 4·|d_i/d_z·(v_z − o_z)|)`; its signs are exact for the sheared corners, and its weights good to
+//! f64. So there is a point q of the true triangle with `|q_i − (o_i + t·d_i)| ≤ 8u·t·|d_i| + 7u·D`: an error relative
+//! to the way along *that axis*, plus one relative to the triangle's size.
+//!
+//! The second part is in the boxes: references hold the triangle thickened by more than 7u·D (see `clip`), in every cell
+//! that it touches. The first part is here: distances to planes are taken shorter or longer by [`RELATIVE_ERROR`], which
+//! covers 8u and the three or four roundings of the slab test itself. Hence, for the cell that holds the point x between
+//! q and o + t·d, `enter ≤ t ≤ leave` on every axis and at every ancestor; a traversal that skips only boxes with
+//! `enter > nearest hit` or `enter > leave` finds what brute force finds.
+
+use crate::math::Ray;
+
+/// 20 u: see above.
+pub const RELATIVE_ERROR: f32 = 20.0 / 16_777_216.0;
+
+/// Directions below this (after scaling) count as parallel to the planes of their axis.
+const PARALLEL: f32 = 1e-37;
+/// No ray leaves the planes that it is parallel to by so much within any scene.
+const DRIFT: f32 = 1e-18;
+/// Reciprocal of a direction that counts as parallel.
+const HUGE: f32 = 1e38;
+
+/// A ray as the slab test wants it. Its distances are scaled by a power of two so that the direction's largest
+/// component lies in [1, 2); that keeps all of them in f32's range whatever the length of the direction.
+#[derive(Clone, Copy, Debug)]
+pub struct SlabRay {
+    /// Origins for the planes where a box is entered.
+    pub enter_origin: [f32; 3],
+    /// Reciprocal directions there, a little too small.
+    pub enter_inv: [f32; 3],
+    /// Origins for the planes where a box is left.
+    pub leave_origin: [f32; 3],
+    /// Reciprocal directions there, a little too large.
+    pub leave_inv: [f32; 3],
+    /// Whether the direction is negative, an axis each: then boxes are entered at their upper end.
+    pub negative: [bool; 3],
+    /// A cell that is entered beyond this many times the nearest hit ends the search when cells come in order; infinite
+    /// for a ray that is parallel to an axis, which may run within a plane between two cells, where there is no order.
+    pub stop_factor: f32,
+    scale: f64,
+}
+
+impl SlabRay {
+    /// Prepares a ray.
+    pub fn new(ray: &Ray) -> Self {
+        let largest = f64::from(ray.dir.abs().max_element());
+        // The exponent of a positive normal f64, which every f32 but zero is.
+        let exponent = (largest.to_bits() >> 52) as i64 - 1023;
+        let power = |e: i64| f64::from_bits(((e + 1023) as u64) << 52);
+        let (shrink, scale) = (power(-exponent), power(exponent));
+        let mut slab = Self {
+            enter_origin: ray.origin.to_array(),
+            enter_inv: [0.0; 3],
+            leave_origin: ray.origin.to_array(),
+            leave_inv: [0.0; 3],
+            negative: [false; 3],
+            stop_factor: 1.0 + 8.0 * RELATIVE_ERROR,
+            scale,
+        };
+        for axis in 0..3 {
+            let d = (f64::from(ray.dir[axis]) * shrink) as f32;
+            if d.abs() >= PARALLEL {
+                let inv = 1.0 / d;
+                slab.negative[axis] = d < 0.0;
+                slab.enter_inv[axis] = inv * (1.0 - RELATIVE_ERROR);
+                slab.leave_inv[axis] = inv * (1.0 + RELATIVE_ERROR);
+            } else {
+                // Inside for ever or never; a ray within a plane is on both of its sides.
+                slab.enter_origin[axis] = (ray.origin[axis] + DRIFT).next_up();
+                slab.leave_origin[axis] = (ray.origin[axis] - DRIFT).next_down();
+                slab.enter_inv[axis] = HUGE;
+                slab.leave_inv[axis] = HUGE;
+                slab.stop_factor = f32::INFINITY;
+            }
+        }
+        slab
+    }
+
+    /// A distance on the ray as a scaled distance, never too small.
+    #[inline(always)]
+    pub fn scaled(&self, t: f32) -> f32 {
+        (f64::from(t) * self.scale) as f32 + f32::MIN_POSITIVE
+    }
+
+    /// The scaled distance at which a plane is reached at the earliest.
+    #[inline(always)]
+    pub fn enter(&self, axis: usize, plane: f32) -> f32 {
+        (plane - self.enter_origin[axis]) * self.enter_inv[axis]
+    }
+
+    /// The scaled distance at which a plane is left at the latest.
+    #[inline(always)]
+    pub fn leave(&self, axis: usize, plane: f32) -> f32 {
+        (plane - self.leave_origin[axis]) * self.leave_inv[axis]
+    }
+
+    /// From where to where the ray may be inside a box, from 0 on: outside all along when the first exceeds the second.
+    pub fn interval(&self, bounds: &super::bounds::Bounds) -> (f32, f32) {
+        let (mut enter, mut leave) = (0.0f32, f32::INFINITY);
+        for axis in 0..3 {
+            let (lo, hi) = (bounds.lo(axis), bounds.hi(axis));
+            let (first, last) = if self.negative[axis] { (hi, lo) } else { (lo, hi) };
+            enter = enter.max(self.enter(axis, first));
+            leave = leave.min(self.leave(axis, last));
+        }
+        (enter, leave)
+    }
+}

@@ -1,0 +1,85 @@
+//! From a linear picture to what a screen shows: exposure, tone mapping, background, sRGB.
+
+use super::{srgb, tonemap};
+use crate::film::Picture;
+use crate::settings::{Background, ToneMap};
+
+/// Encoded sRGB with straight alpha, all in [0, 1], row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplayPicture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Whether every alpha is 1 by intent, so that files need not store it.
+    pub opaque: bool,
+    /// `width · height` pixels.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+/// Exposes, tone-maps and encodes a picture.
+///
+/// The colour of partly covered pixels is divided by the coverage first, so that an edge keeps the surface's colour
+/// whatever lies behind it later. A coloured background is laid under in linear light after tone mapping: it comes
+/// out as exactly the colour that was asked for.
+pub fn develop(picture: &Picture, exposure_ev: f64, operator: ToneMap, background: Background) -> DisplayPicture {
+    let scale = libm::exp2(exposure_ev) as f32;
+    let under = match background {
+        Background::Color(rgb) => Some(rgb.map(|c| srgb::decode(f32::from(c) / 255.0))),
+        Background::Transparent | Background::Environment => None,
+    };
+    let develop_pixel = |&[r, g, b, alpha]: &[f32; 4]| {
+        let alpha = alpha.max(0.0).min(1.0);
+        let straight = if alpha > 0.0 { [r, g, b].map(|c| c / alpha * scale) } else { [0.0; 3] };
+        let shown = tonemap::apply(operator, straight);
+        let (shown, alpha) = match under {
+            Some(under) => (std::array::from_fn(|i| shown[i] * alpha + under[i] * (1.0 - alpha)), 1.0),
+            None => (shown, alpha),
+        };
+        let [r, g, b] = shown.map(srgb::encode);
+        // What nobody sees is black, not the colour that the tone map gives to nothing.
+        if alpha > 0.0 { [r, g, b, alpha] } else { [0.0; 4] }
+    };
+    DisplayPicture {
+        width: picture.width,
+        height: picture.height,
+        opaque: background != Background::Transparent,
+        pixels: picture.pixels.iter().map(develop_pixel).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(pixel: [f32; 4], background: Background) -> [f32; 4] {
+        let picture = Picture { width: 1, height: 1, pixels: vec![pixel] };
+        develop(&picture, 0.0, ToneMap::Neutral, background).pixels[0]
+    }
+
+    #[test]
+    fn coverage_does_not_change_the_colour() {
+        let whole = one([0.4, 0.3, 0.2, 1.0], Background::Transparent);
+        let half = one([0.2, 0.15, 0.1, 0.5], Background::Transparent);
+        assert_eq!(whole[..3], half[..3]);
+        assert_eq!(half[3], 0.5);
+        assert_eq!(one([0.3, 0.3, 0.3, 0.0], Background::Transparent), [0.0; 4]);
+        assert_eq!(one([f32::NAN, 0.0, 0.0, f32::NAN], Background::Transparent), [0.0; 4]);
+    }
+
+    #[test]
+    fn the_background_is_the_colour_asked_for() {
+        let empty = one([0.0; 4], Background::Color([18, 52, 240]));
+        let bytes = empty.map(|c| srgb::quantise(c, 255.0));
+        assert_eq!(bytes, [18, 52, 240, 255]);
+        let covered = one([0.4, 0.3, 0.2, 1.0], Background::Color([255; 3]));
+        assert_eq!(covered, one([0.4, 0.3, 0.2, 1.0], Background::Transparent));
+    }
+
+    #[test]
+    fn one_ev_doubles_the_light() {
+        let picture = |v| Picture { width: 1, height: 1, pixels: vec![[v, v, v, 1.0]] };
+        let brighter = develop(&picture(0.125), 1.0, ToneMap::None, Background::Transparent);
+        assert_eq!(brighter, develop(&picture(0.25), 0.0, ToneMap::None, Background::Transparent));
+    }
+}

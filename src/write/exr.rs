@@ -1,0 +1,132 @@
+//! OpenEXR files: linear Rec. 709 radiance, 32-bit float, premultiplied by the coverage in A.
+
+use super::Metadata;
+use crate::film::Picture;
+use ::exr::error::Error;
+use ::exr::meta::attribute::Chromaticities;
+use ::exr::prelude::*;
+use std::io::Cursor;
+
+/// Encodes a picture as one scan-line part with channels A, B, G, R, compressed without loss (ZIP, 16 lines).
+/// The bytes depend on the arguments alone, and not on names or threads.
+///
+/// # Errors
+/// When the picture is too large for the format.
+pub fn encode(picture: &Picture, metadata: &Metadata) -> std::result::Result<Vec<u8>, Error> {
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    let at = |position: Vec2<usize>| {
+        let [r, g, b, a] = picture.pixels[position.y() * width + position.x()];
+        (r, g, b, a)
+    };
+    let mut attributes = LayerAttributes::default();
+    attributes.software_name = Text::new_or_none(&metadata.software);
+    // One JSON text: the crate writes attributes of its own map in random order, which would vary the bytes.
+    attributes.comments = serde_json::to_string(metadata).ok().as_deref().and_then(Text::new_or_none);
+    let encoding =
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let layer = Layer::new((width, height), attributes, encoding, SpecificChannels::rgba(at));
+    let mut image = Image::from_layer(layer);
+    image.attributes.chromaticities = Some(REC_709);
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut bytes)?;
+    Ok(bytes.into_inner())
+}
+
+/// Primaries and white point (D65) of Rec. 709.
+const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.30, 0.60),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.3290),
+};
+
+/// Reads the first layer with R, G and B, and A where there is one, as linear RGBA, row by row from the top.
+///
+/// # Errors
+/// A sentence, when the file is no sound EXR of this kind or claims more than `max_texels` (before they are
+/// allocated).
+pub fn decode(bytes: &[u8], max_texels: u64) -> std::result::Result<Picture, String> {
+    let unsound = |e: Error| format!("is not a sound EXR file: {e}");
+    let metadata = MetaData::read_from_buffered(bytes, false).map_err(unsound)?;
+    for header in &metadata.headers {
+        let texels = (header.layer_size.width() as u64).saturating_mul(header.layer_size.height() as u64);
+        if texels > max_texels {
+            return Err(format!("claims {texels} texels, more than the limit of {max_texels}"));
+        }
+    }
+    let create = |size: Vec2<usize>, _: &RgbaChannels| Picture {
+        width: u32::try_from(size.width()).unwrap_or(0),
+        height: u32::try_from(size.height()).unwrap_or(0),
+        pixels: vec![[0.0, 0.0, 0.0, 1.0]; size.area()],
+    };
+    let set = |picture: &mut Picture, at: Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
+        if let Some(pixel) = picture.pixels.get_mut(at.y() * picture.width as usize + at.x()) {
+            *pixel = [r, g, b, a];
+        }
+    };
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(create, set)
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(unsound)?;
+    Ok(image.layer_data.channel_data.pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn metadata(source: &str) -> Metadata {
+        Metadata {
+            software: Metadata::software(),
+            source: source.into(),
+            content: "blake3:00".into(),
+            settings: "blake3:11".into(),
+            seed: 7,
+            spp: 64,
+            view: 3,
+        }
+    }
+
+    fn picture() -> Picture {
+        let pixel = |i: u32| [i as f32 * 0.37, 1e-8 * i as f32, 1e8 / (1.0 + i as f32), (i % 5) as f32 / 4.0];
+        Picture { width: 37, height: 29, pixels: (0..37 * 29).map(pixel).collect() }
+    }
+
+    #[test]
+    fn every_float_survives_the_round_trip() {
+        let bytes = encode(&picture(), &metadata("a.glb")).expect("a small picture");
+        assert_eq!(decode(&bytes, 1 << 20).expect("our own file"), picture());
+        assert!(decode(&bytes, 37 * 29 - 1).expect_err("too large").contains("limit"));
+    }
+
+    #[test]
+    fn bytes_repeat_and_do_not_know_the_assets_name() {
+        let bytes = encode(&picture(), &metadata("a.glb")).expect("a small picture");
+        for name in ["a.glb", "b.glb", "é椅"] {
+            assert_eq!(bytes, encode(&picture(), &metadata(name)).expect("again"));
+        }
+    }
+
+    #[test]
+    fn the_metadata_is_there() {
+        let bytes = encode(&picture(), &metadata("a.glb")).expect("a small picture");
+        let header = &MetaData::read_from_buffered(&bytes[..], false).expect("our own file").headers[0];
+        assert_eq!(header.shared_attributes.chromaticities, Some(REC_709));
+        let comments = header.own_attributes.comments.as_ref().expect("comments").to_string();
+        let json: serde_json::Value = serde_json::from_str(&comments).expect("JSON");
+        assert_eq!((json["spp"].as_u64(), json["view"].as_u64()), (Some(64), Some(3)));
+    }
+
+    #[test]
+    fn broken_files_are_errors() {
+        let bytes = encode(&picture(), &metadata("a.glb")).expect("a small picture");
+        for end in [0, 4, 100, bytes.len() / 2, bytes.len() - 1] {
+            assert!(decode(&bytes[..end], 1 << 20).is_err(), "cut at {end}");
+        }
+    }
+}

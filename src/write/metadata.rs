@@ -1,0 +1,41 @@
+use serde::Serialize;
+
+/// What a picture file says about itself. Nothing in it varies from run to run: no times, thread counts or dates.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Metadata {
+    /// The program and its version.
+    pub software: String,
+    /// File name of the asset, without its folder. Only in PNG files: an EXR file's bytes do not depend on names.
+    #[serde(skip)]
+    pub source: String,
+    /// Hash of the asset with all files that it refers to.
+    pub content: String,
+    /// Hash of the settings.
+    pub settings: String,
+    /// Selects the random numbers.
+    pub seed: u64,
+    /// Camera paths per pixel.
+    pub spp: u32,
+    /// Which of the asset's views, from 0.
+    pub view: u32,
+}
+
+impl Metadata {
+    /// `kiln` with its version.
+    pub fn software() -> String {
+        concat!("kiln ", env!("CARGO_PKG_VERSION")).into()
+    }
+
+    /// Keyword and text of each entry, in a fixed order, keywords as PNG registers them where it does.
+    pub fn entries(&self) -> [(&'static str, String); 7] {
+        [
+            ("Software", self.software.clone()),
+            ("Source", self.source.clone()),
+            ("kiln:content", self.content.clone()),
+            ("kiln:settings", self.settings.clone()),
+            ("kiln:seed", self.seed.to_string()),
+            ("kiln:spp", self.spp.to_string()),
+            ("kiln:view", self.view.to_string()),
+        ]
+    }
+}

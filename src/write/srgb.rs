@@ -1,0 +1,45 @@
+//! The sRGB transfer function (IEC 61966-2-1).
+
+/// Linear light in [0, 1] to the encoded value in [0, 1]. Values outside are clamped, NaN becomes 0.
+pub fn encode(linear: f32) -> f32 {
+    // `max` first: it turns NaN into 0.
+    let x = linear.max(0.0).min(1.0);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::powf(x, 1.0 / 2.4) - 0.055 }
+}
+
+/// The encoded value in [0, 1] to linear light in [0, 1]. Values outside are clamped, NaN becomes 0.
+pub fn decode(encoded: f32) -> f32 {
+    let x = encoded.max(0.0).min(1.0);
+    if x <= 0.040_45 { x / 12.92 } else { libm::powf((x + 0.055) / 1.055, 2.4) }
+}
+
+/// Encoded value to the nearest of `0..=levels`.
+pub fn quantise(encoded: f32, levels: f32) -> u16 {
+    // The cast of a value in [0, 65535.5) truncates.
+    (encoded.max(0.0).min(1.0) * levels + 0.5) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_values() {
+        // Computed in double precision from the standard's formula.
+        for (linear, want) in [(0.0, 0.0), (0.002, 0.025_84), (0.18, 0.461_356_13), (0.5, 0.735_356_98), (1.0, 1.0)] {
+            assert!((encode(linear) - want).abs() < 1e-6, "{linear}: {} for {want}", encode(linear));
+        }
+        assert_eq!(encode(f32::NAN), 0.0);
+        assert_eq!((encode(-1.0), encode(7.0)), (encode(0.0), encode(1.0)));
+    }
+
+    #[test]
+    fn every_byte_survives_the_round_trip() {
+        for byte in 0..=255u8 {
+            assert_eq!(quantise(encode(decode(f32::from(byte) / 255.0)), 255.0), u16::from(byte));
+        }
+        for value in (0..=65535u16).step_by(7) {
+            assert_eq!(quantise(encode(decode(f32::from(value) / 65535.0)), 65535.0), value);
+        }
+    }
+}
