@@ -87,7 +87,7 @@ def reading_corner(path):
     o.material("window", Kd=(0, 0, 0), Ke=(6.0, 7.4, 9.4))
     s, h, t = 1.7, 2.7, 0.07  # half the room, its height, the walls' thickness
     box = lambda sx, sy, sz, x, y, z, r=0.0: rounded_box(sx, sy, sz, r, 2).moved(x, y, z)
-    o.add("floor", "floor", *[box(2 * s / 10 - 0.008, 0.1, 2 * s, -s + (k + 0.5) * 2 * s / 10, -0.05, 0, 0.006) for k in range(10)])
+    o.add("floor", "floor", *[box(2 * s / 10 - 0.008, 0.1, 2 * s, -s + (k + 0.5) * 2 * s / 10, -0.05, 0) for k in range(10)])
     o.add("underfloor", "wall_edge", box(2 * s + t, t, 2 * s + t, -t / 2, -0.1 - t / 2, -t / 2))
     o.add("back_wall", "wall", box(2 * s, h, 0.02, 0, h / 2, -s - 0.01))
     y0, y1, z0, z1 = 0.9, 2.25, -0.75, 0.85  # the window
@@ -132,7 +132,7 @@ def reading_corner(path):
         while x < stop:
             w, tall, deep = rng.uniform(0.028, 0.06), rng.uniform(0.2, 0.31), rng.uniform(0.15, 0.2)
             name = list(books)[rng.randint(5)]
-            books[name].append(box(w - 0.003, tall, deep, x + w / 2, y + tall / 2, -s + 0.02 + deep / 2, 0.004))
+            books[name].append(box(w - 0.003, tall, deep, x + w / 2, y + tall / 2, -s + 0.02 + deep / 2))
             x, k = x + w, k + 1
     for name, meshes in books.items():
         o.add(f"books_{name}", name, *meshes)
@@ -145,7 +145,7 @@ def reading_corner(path):
     pot = (-1.2, 0.0, 1.1)
     o.add("pot", "pot", lathe([[(0, 0), (0.16, 0)], curve([(0.16, 0), (0.22, 0.2), (0.23, 0.38)], 10), [(0.23, 0.38), (0.2, 0.38)], [(0.2, 0.38), (0.19, 0.33), (0, 0.33)]], 40).moved(*pot))
     leaves = []
-    for k in range(13):
+    for k in range(11):
         turn, lean = 137.5 * k, 0.08 + 0.016 * k
         rib = curve([(0, 0.3, 0), (0.3 * lean, 0.62, 0), (0.9 * lean, 0.98 - 0.2 * lean, 0), (1.5 * lean, 1.02 - 0.62 * lean, 0)], 12)
         blade = tube(rib, 0.055 * np.sin(np.linspace(0.25, np.pi, 12)) + 0.004, 6)
