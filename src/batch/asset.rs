@@ -106,7 +106,7 @@ impl Work<'_> {
         let exposure = self.exposure(&prepared, &views)?;
         for (index, view) in views.iter().enumerate() {
             let stage = Stage::Render { view: index as u32, views: views.len() as u32 };
-            (self.desk.on_stage)(stage);
+            self.begin(stage);
             let clock = StageClock::begin();
             let rendered = render(&prepared, view, &self.job.settings.render, self.control)?;
             self.count(&rendered);
@@ -116,9 +116,15 @@ impl Work<'_> {
         Ok(())
     }
 
+    /// Tells of a stage, whose progress begins anew.
+    fn begin(&self, stage: Stage) {
+        self.control.begin(0);
+        (self.desk.on_stage)(stage);
+    }
+
     /// Reads the asset and plans its views.
     fn import(&mut self) -> Result<(Scene, EnvironmentSource, Vec<View>), Failure> {
-        (self.desk.on_stage)(Stage::Import);
+        self.begin(Stage::Import);
         let clock = StageClock::begin();
         let settings = &self.job.settings;
         let loaded = match (&self.desk.environment, &settings.environment) {
@@ -154,7 +160,7 @@ impl Work<'_> {
     }
 
     fn prepare(&mut self, scene: Scene, environment: &EnvironmentSource) -> Result<PreparedScene, Failure> {
-        (self.desk.on_stage)(Stage::Prepare);
+        self.begin(Stage::Prepare);
         let clock = StageClock::begin();
         let prepared = prepare(scene, environment, &self.job.settings.prepare, self.control)?;
         let (wall, cpu) = clock.seconds();
@@ -179,7 +185,7 @@ impl Work<'_> {
             // Linear files are not exposed.
             Exposure::Auto if !settings.pictures.formats.contains(&PictureFormat::Png) => Ok(0.0),
             Exposure::Auto => {
-                (self.desk.on_stage)(Stage::Expose);
+                self.begin(Stage::Expose);
                 let clock = StageClock::begin();
                 let (ev, rendered) = exposure::meter(prepared, views, &settings.render, self.control)?;
                 rendered.iter().for_each(|r| self.count(r));
@@ -199,7 +205,7 @@ impl Work<'_> {
 
     /// Encodes and writes one view in every format.
     fn write(&mut self, rendered: &Rendered, index: u32, exposure: f64) -> Result<(), Failure> {
-        (self.desk.on_stage)(Stage::Write);
+        self.begin(Stage::Write);
         let clock = StageClock::begin();
         let settings = &self.job.settings;
         let picture = &rendered.picture;

@@ -70,9 +70,10 @@ fn search(discovery: &Discovery, folder: &Path, prefix: &Path, discovered: &mut 
     let output = discovery.output.canonicalize().ok();
     let below = |path: &Path| path.strip_prefix(folder).unwrap_or(path).to_path_buf();
     let enter = |entry: &DirEntry| {
-        let own_output = || output.is_some() && entry.path().canonicalize().ok() == output;
-        let excluded = entry.depth() > 0 && discovery.exclude.is_match(below(entry.path()));
-        !excluded && !(entry.depth() > 0 && entry.file_type().is_dir() && own_output())
+        let is_output = || output.is_some() && entry.path().canonicalize().ok() == output;
+        let excluded = || discovery.exclude.is_match(below(entry.path()));
+        // The folder that was asked for is always searched, even when the pictures go there too.
+        entry.depth() == 0 || !(excluded() || entry.file_type().is_dir() && is_output())
     };
     let add = |path: &Path, discovered: &mut Discovered| {
         let relative = below(path);

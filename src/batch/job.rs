@@ -77,6 +77,9 @@ impl Stage {
 
 /// A path with `/` between its parts, for manifests.
 pub fn slashed(path: &Path) -> String {
+    if path.has_root() {
+        return path.to_string_lossy().into_owned();
+    }
     let parts: Vec<_> = path.components().map(|c| c.as_os_str().to_string_lossy()).collect();
     parts.join("/")
 }

@@ -60,6 +60,15 @@ pub fn line(console: &Console, outcome: &Outcome) -> String {
     line
 }
 
+/// Where the pictures are, on a line of its own.
+fn pictures(outcome: &Outcome) -> String {
+    match &outcome.outputs[..] {
+        [] => String::new(),
+        [one] => format!("\n  {}", one.path),
+        [first, .., last] => format!("\n  {} … {} ({} files)", first.path, last.path, outcome.outputs.len()),
+    }
+}
+
 /// A warning on one line.
 pub fn warning(warning: &kiln::formats::Warning) -> String {
     let place = if warning.place.is_empty() { String::new() } else { format!(" at {}", warning.place) };
@@ -93,8 +102,13 @@ impl Observer for Progress {
         // Those that were never begun are counted in the summary.
         let begun = outcome.status != Status::Skipped || outcome.seconds.total > 0.0;
         if begun && (!self.console.quiet || failed) {
-            let width = self.total.to_string().len();
-            self.tell(&format!("[{done:width$}/{}] {}", self.total, line(&self.console, outcome)));
+            let line = line(&self.console, outcome);
+            if self.total > 1 {
+                let width = self.total.to_string().len();
+                self.tell(&format!("[{done:width$}/{}] {line}", self.total));
+            } else {
+                self.tell(&format!("{line}{}", pictures(outcome)));
+            }
         }
     }
 }

@@ -100,8 +100,9 @@ impl RenderCommand {
             "exr" => PictureFormat::Exr,
             _ => return Err(Fatal::usage(format!("{}: pictures end in .png or .exr", path.display()))),
         };
-        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        let stem = PathBuf::from(path.file_stem().unwrap_or_default());
-        Ok((Output { folder, stem, ending: Some(ending.into()) }, vec![format]))
+        Ok((
+            Output { folder: PathBuf::new(), stem: path.with_extension(""), ending: Some(ending.into()) },
+            vec![format],
+        ))
     }
 }

@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub enum SimdTier {
     /// Plain code, as far as the compiler vectorises it for the baseline.
     Scalar,
-    /// AVX2 with BMI: eight lanes.
+    /// AVX2 with FMA and BMI: eight lanes.
     Avx2,
     /// AVX-512 F, BW, DQ and VL: sixteen lanes.
     Avx512,
@@ -24,6 +24,7 @@ impl SimdTier {
         #[cfg(target_arch = "x86_64")]
         {
             let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
                 && is_x86_feature_detected!("bmi1")
                 && is_x86_feature_detected!("bmi2")
                 && is_x86_feature_detected!("popcnt")

@@ -18,10 +18,12 @@ pub fn encode(picture: &Picture, metadata: &Metadata) -> std::result::Result<Vec
         let [r, g, b, a] = picture.pixels[position.y() * width + position.x()];
         (r, g, b, a)
     };
-    let mut attributes = LayerAttributes::default();
-    attributes.software_name = Text::new_or_none(&metadata.software);
-    // One JSON text: the crate writes attributes of its own map in random order, which would vary the bytes.
-    attributes.comments = serde_json::to_string(metadata).ok().as_deref().and_then(Text::new_or_none);
+    let attributes = LayerAttributes {
+        software_name: Text::new_or_none(&metadata.software),
+        // One JSON text: the crate writes a map of attributes in random order, which would vary the bytes.
+        comments: serde_json::to_string(metadata).ok().as_deref().and_then(Text::new_or_none),
+        ..LayerAttributes::default()
+    };
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let layer = Layer::new((width, height), attributes, encoding, SpecificChannels::rgba(at));

@@ -50,7 +50,7 @@ fn aces(color: [f32; 3]) -> [f32; 3] {
     let fitted = transform(&INPUT, color).map(|v| {
         // Beyond this the quotient is at its limit; the squares below would overflow.
         let v = v.min(1e15);
-        (v * (v + 0.024_578_6) - 0.000_090_537) / (v * (0.983_729 * v + 0.432_951_0) + 0.238_081)
+        (v * (v + 0.024_578_6) - 0.000_090_537) / (v * (0.983_729 * v + 0.432_951) + 0.238_081)
     });
     transform(&OUTPUT, fitted)
 }

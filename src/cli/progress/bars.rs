@@ -1,6 +1,7 @@
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 use kiln::Control;
 use kiln::batch::Stage;
+use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -24,8 +25,24 @@ struct Worker {
     control: Mutex<Option<Control>>,
 }
 
+const STAGE: &str = "  {prefix:8} {bar:24} {share:>5} {left:>6}               {wide_msg}";
+const RENDER: &str = "  {prefix:8} {bar:24} {share:>5} {left:>6} {rate:>12}  {wide_msg}";
+
 fn style(template: &str) -> ProgressStyle {
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("━╸ ")
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    // Some stages do not tell how much there is to do.
+    let told = |state: &ProgressState| state.pos() > 0;
+    let tell = |tell: fn(&ProgressState) -> String| {
+        move |state: &ProgressState, text: &mut dyn Write| {
+            // Writing to a string does not fail.
+            let _ = if told(state) { text.write_str(&tell(state)) } else { Ok(()) };
+        }
+    };
+    style
+        .with_key("share", tell(|s| format!("{:.0} %", 100.0 * s.fraction())))
+        .with_key("rate", tell(|s| format!("{:.0} kpx/s", 1e-3 * s.per_sec())))
+        .with_key("left", tell(|s| format!("{:#}", HumanDuration(s.eta()))))
+        .progress_chars("━╸ ")
 }
 
 impl Bars {
@@ -35,12 +52,13 @@ impl Bars {
         let multi = MultiProgress::new();
         let workers = (0..workers.min(total.max(1)))
             .map(|_| {
-                let bar = multi.add(ProgressBar::new(0));
-                bar.set_style(style("  {prefix:8} {bar:24} {percent:>3} %  {wide_msg}"));
+                let bar = multi.add(ProgressBar::new(1));
+                bar.set_style(style(STAGE));
                 Worker { bar, control: Mutex::new(None) }
             })
             .collect();
-        let bar = multi.add(ProgressBar::new(total as u64));
+        let bar = ProgressBar::new(total as u64);
+        let bar = if total > 1 { multi.add(bar) } else { ProgressBar::hidden() };
         let template = format!("{{bar:34{paint}}} {{pos}}/{{len}} assets  {{per_sec}}  {{elapsed}} gone, {{eta}} left");
         bar.set_style(style(&template));
         let shared = Arc::new(Shared { multi, total: bar, workers, over: AtomicBool::new(false) });
@@ -74,10 +92,13 @@ impl Bars {
     pub fn stage(&self, worker: usize, stage: Stage) {
         if let Some(worker) = self.shared.workers.get(worker) {
             worker.bar.reset();
-            let prefix = match stage {
-                Stage::Render { view, views } if views > 1 => format!("{}/{views}", view + 1),
-                _ => stage.word().to_string(),
+            worker.bar.set_length(1);
+            let (prefix, template) = match stage {
+                Stage::Render { view, views } if views > 1 => (format!("{}/{views}", view + 1), RENDER),
+                Stage::Render { .. } => ("render".into(), RENDER),
+                _ => (stage.word().into(), STAGE),
             };
+            worker.bar.set_style(style(template));
             worker.bar.set_prefix(prefix);
         }
     }
@@ -110,7 +131,8 @@ impl Worker {
     fn poll(&self) {
         if let Some(control) = &*self.control.lock().unwrap_or_else(PoisonError::into_inner) {
             let (done, total) = control.progress();
-            self.bar.set_length(total);
+            // A bar of nothing would be full.
+            self.bar.set_length(total.max(1));
             self.bar.set_position(done.min(total));
         }
     }

@@ -1,7 +1,15 @@
-//! Zeroed memory that begins at a page border, without unsafe code.
+//! Memory that rays jump about in: begins at the border of a cache line, and large pieces ask for huge pages, since a
+//! miss in the translation buffer costs as much as the work at a node.
+#![allow(unsafe_code)]
 
-/// Words that begin at a multiple of the alignment; large ones at the border of a 2 MB page, so that the system may back
-/// them with huge pages.
+/// A cache line in bytes.
+const LINE: usize = 64;
+/// A huge page in bytes.
+const HUGE_PAGE: usize = 2 << 20;
+/// A small page in bytes.
+const PAGE: usize = 4096;
+
+/// Words that begin at the border of a cache line, at first all zero.
 #[derive(Debug, Default)]
 pub struct AlignedWords {
     words: Vec<u32>,
@@ -9,17 +17,14 @@ pub struct AlignedWords {
     len: usize,
 }
 
-/// A cache line.
-const LINE: usize = 64;
-/// A huge page.
-const HUGE_PAGE: usize = 2 << 20;
-
 impl AlignedWords {
     /// `len` zeros.
     pub fn zeroed(len: usize) -> Self {
-        let alignment = if len * size_of::<u32>() >= 2 * HUGE_PAGE { HUGE_PAGE } else { LINE };
-        let words = vec![0u32; len + alignment / size_of::<u32>()];
-        let begin = words.as_ptr().align_offset(alignment).min(alignment / size_of::<u32>());
+        let spare = LINE / size_of::<u32>();
+        // Fresh zeroed memory is not touched, so that the advice comes in time.
+        let words = vec![0u32; len + spare];
+        advise(words.as_ptr().addr(), size_of_val(words.as_slice()));
+        let begin = words.as_ptr().align_offset(LINE).min(spare);
         Self { words, begin, len }
     }
 
@@ -35,6 +40,33 @@ impl AlignedWords {
     }
 }
 
+/// The same items in memory that asks for huge pages.
+pub fn settle<T: Clone>(items: &[T]) -> Vec<T> {
+    let mut settled: Vec<T> = Vec::with_capacity(items.len());
+    advise(settled.as_ptr().addr(), size_of_val(items));
+    settled.extend_from_slice(items);
+    settled
+}
+
+/// Asks the system to back memory with huge pages where there are whole ones; it may decline.
+#[cfg(target_os = "linux")]
+fn advise(begin: usize, bytes: usize) {
+    use std::ffi::{c_int, c_void};
+    const MADV_HUGEPAGE: c_int = 14;
+    unsafe extern "C" {
+        fn madvise(address: *mut c_void, length: usize, advice: c_int) -> c_int;
+    }
+    let first = begin.next_multiple_of(PAGE);
+    let last = (begin + bytes) / PAGE * PAGE;
+    if first < last && last - first >= 2 * HUGE_PAGE {
+        // SAFETY: this advice never changes what memory holds, and the range is whole pages of one allocation.
+        unsafe { madvise(first as *mut c_void, last - first, MADV_HUGEPAGE) };
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn advise(_begin: usize, _bytes: usize) {}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,10 +74,12 @@ mod tests {
     #[test]
     fn begins_at_a_border_and_is_all_zero() {
         for len in [0, 1, 1000, 3 << 20] {
-            let words = AlignedWords::zeroed(len);
+            let mut words = AlignedWords::zeroed(len);
             assert_eq!(words.as_slice().len(), len);
             assert!(words.as_slice().as_ptr().addr().is_multiple_of(LINE));
             assert!(words.as_slice().iter().all(|&w| w == 0));
+            words.as_mut_slice().fill(7);
+            assert!(settle(words.as_slice()).iter().all(|&w| w == 7));
         }
     }
 }

@@ -100,7 +100,7 @@ pub fn nearest(tree: Tree, ray: &Ray, any: bool, mut accept: impl FnMut(&Hit) ->
                     (at, leave) = (near, near_leave);
                 }
                 View::Leaf(leaf) => {
-                    for block in tree.leaves.blocks(leaf) {
+                    for block in tree.leaves.blocks(leaf.first, leaf.count as usize) {
                         for i in 0..block.len {
                             let Some(hit) = sheared.meet(block.corners(i), block.triangle(i)) else { continue };
                             if nearest.improves(&hit) && accept(&hit) {

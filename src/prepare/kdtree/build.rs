@@ -239,6 +239,21 @@ impl Built {
 }
 
 impl Built {
+    /// Leaves.
+    pub fn leaf_count(&self) -> usize {
+        self.cells.len().div_ceil(2)
+    }
+
+    /// For each cell that is a leaf, its number among the leaves.
+    pub fn leaf_numbers(&self) -> Vec<u32> {
+        let number = |next: &mut u32, cell: &BuiltCell| {
+            let mine = *next;
+            *next += u32::from(matches!(cell.kind, BuiltKind::Leaf { .. }));
+            Some(mine)
+        };
+        self.cells.iter().scan(0, number).collect()
+    }
+
     /// Planes above the deepest leaf.
     pub fn depth(&self) -> u32 {
         // Depth first, a leaf ends the most recent left side whose right one is still to come.

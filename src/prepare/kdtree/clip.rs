@@ -20,9 +20,7 @@ pub fn thickness(corners: &[[f32; 3]; 3]) -> f64 {
 /// The box around a whole thick triangle, rounded outwards.
 pub fn whole(corners: &[[f32; 3]; 3]) -> Bounds {
     let thick = thickness(corners);
-    let mut polygon = Polygon::new(corners);
-    polygon.len = 3;
-    polygon.bounds(thick)
+    Polygon::new(corners).bounds(thick)
 }
 
 /// The box around the part of a thick triangle that lies in `cell`; `None` where it does not reach.
@@ -38,6 +36,16 @@ pub fn clipped(corners: &[[f32; 3]; 3], cell: &Bounds) -> Option<Bounds> {
     }
     let part = polygon.bounds(thick).intersection(cell);
     (!part.is_empty()).then_some(part)
+}
+
+/// The corners of the part of a triangle (not thickened) that lies in `cell`; none where it does not reach.
+pub fn part(corners: &[[f32; 3]; 3], cell: &Bounds) -> Vec<[f64; 3]> {
+    let mut polygon = Polygon::new(corners);
+    for axis in 0..3 {
+        polygon.keep_above(axis, f64::from(cell.lo(axis)));
+        polygon.keep_below(axis, f64::from(cell.hi(axis)));
+    }
+    polygon.corners[..polygon.len].to_vec()
 }
 
 /// A convex polygon: a triangle cut by up to six planes (Sutherland & Hodgman 1974), so with nine corners at most.

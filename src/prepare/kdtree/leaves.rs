@@ -6,7 +6,7 @@
 
 use super::Triangles;
 use super::aligned::AlignedWords;
-use super::build::{Built, BuiltKind};
+use super::build::Built;
 use super::split::BLOCK;
 
 /// Words of a grain, the unit in which places in the store are counted.
@@ -14,7 +14,7 @@ const GRAIN: usize = 8;
 /// Words of a reference in a block.
 const ARRAYS: usize = 10;
 /// Words after the last block, so that sixteen-lane loads never leave the store.
-const SLACK: usize = 16;
+const SLACK: usize = 32;
 
 /// The leaves' triangles.
 #[derive(Debug)]
@@ -49,40 +49,65 @@ fn grains_of_leaf(count: usize) -> usize {
     (count / BLOCK) * grains_of(BLOCK) + grains_of(count % BLOCK)
 }
 
+/// Deals out places for leaves.
+#[derive(Debug, Default)]
+pub struct Planner {
+    next: u32,
+}
+
+impl Planner {
+    /// The place of the next leaf of up to 16 references.
+    pub fn next(&self) -> u32 {
+        self.next
+    }
+
+    /// A place for a leaf. Before a leaf of more than one block lies a grain with its count.
+    pub fn place(&mut self, count: u32) -> Leaf {
+        let first = self.next + u32::from(count as usize > BLOCK);
+        self.next = first + grains_of_leaf(count as usize) as u32;
+        Leaf { first, count }
+    }
+}
+
 impl LeafStore {
-    /// Lays out the leaves of a built tree; also says where each begins, in their order.
-    pub fn new<T: Triangles>(built: &Built, triangles: &T) -> (Self, Vec<Leaf>) {
-        let mut leaves = Vec::new();
-        let mut first = 0;
-        for cell in &built.cells {
-            if let BuiltKind::Leaf { count } = cell.kind {
-                leaves.push(Leaf { first, count });
-                first += grains_of_leaf(count as usize) as u32;
-            }
-        }
-        let mut store = AlignedWords::zeroed(first as usize * GRAIN + SLACK);
+    /// Fills the leaves of a built tree, which lie at `leaves` (in their order) within so many grains.
+    pub fn new<T: Triangles>(built: &Built, leaves: &[Leaf], grains: u32, triangles: &T) -> Self {
+        let mut store = AlignedWords::zeroed(grains as usize * GRAIN + SLACK);
         let words = store.as_mut_slice();
         let mut ids = built.triangles.as_slice();
-        for leaf in &leaves {
+        for leaf in leaves {
             let (mine, rest) = ids.split_at(leaf.count as usize);
             ids = rest;
             let mut at = leaf.first as usize * GRAIN;
+            if mine.len() > BLOCK {
+                words[at - GRAIN] = leaf.count;
+            }
             for block in mine.chunks(BLOCK) {
                 fill(&mut words[at..at + block.len() * ARRAYS], block, triangles);
                 at += grains_of(block.len()) * GRAIN;
             }
         }
-        (Self { words: store }, leaves)
+        Self { words: store }
     }
 
-    /// The blocks of a leaf.
+    /// The first word of a leaf.
     #[inline(always)]
-    pub fn blocks(&self, leaf: Leaf) -> impl Iterator<Item = Block<'_>> {
-        let words = &self.words.as_slice()[leaf.first as usize * GRAIN..];
-        (0..leaf.count as usize).step_by(BLOCK).map(move |begin| {
-            let len = (leaf.count as usize - begin).min(BLOCK);
-            Block { len, words: &words[begin * ARRAYS..] }
-        })
+    pub fn begin(&self, first: u32) -> Option<&u32> {
+        self.words.as_slice().get(first as usize * GRAIN)
+    }
+
+    /// The count of a leaf of more than 16 references.
+    pub fn count_before(&self, first: u32) -> u32 {
+        self.words.as_slice()[(first as usize - 1) * GRAIN]
+    }
+
+    /// The blocks of a leaf of `count` references that begins at the grain `first`.
+    #[inline(always)]
+    pub fn blocks(&self, first: u32, count: usize) -> impl Iterator<Item = Block<'_>> {
+        let words = &self.words.as_slice()[first as usize * GRAIN..];
+        (0..count)
+            .step_by(BLOCK)
+            .map(move |begin| Block { len: (count - begin).min(BLOCK), words: &words[begin * ARRAYS..] })
     }
 
     /// All words.

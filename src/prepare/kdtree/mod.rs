@@ -16,6 +16,7 @@ mod sampled;
 mod slab;
 mod split;
 mod validate;
+mod wide;
 
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
@@ -25,7 +26,7 @@ use glam::Vec3;
 use kiln_formats::{Control, Stopped};
 use std::time::Instant;
 
-/// What a tree is built over. Vertices are finite and of magnitude below 1e15; degenerate triangles do no harm.
+/// What a tree is built over. Vertices are finite and of magnitude up to 2e12; degenerate triangles do no harm.
 pub trait Triangles: Sync {
     /// Number of triangles.
     fn len(&self) -> usize;
@@ -76,7 +77,9 @@ pub struct Statistics {
 pub struct KdTree {
     bounds: Bounds,
     nodes: Vec<binary::Node>,
+    wide: Vec<wide::node::WideNode>,
     leaves: leaves::LeafStore,
+    kernel: wide::AnyKernel,
     statistics: Statistics,
 }
 
@@ -89,10 +92,12 @@ impl KdTree {
         let begin = Instant::now();
         let built = build::build(triangles, options, control)?;
         control.check()?;
-        let (leaves, places) = leaves::LeafStore::new(&built, triangles);
+        let wide::collapse::Collapsed { nodes: wide, leaves: places, grains } = wide::collapse::collapse(&built);
+        let leaves = leaves::LeafStore::new(&built, &places, grains, triangles);
         let nodes = binary::compile(&built, &places);
         let bounds = built.cells.first().map_or(Bounds::EMPTY, |root| root.bounds);
-        let mut tree = Self { bounds, nodes, leaves, statistics: Statistics::default() };
+        let kernel = wide::AnyKernel::new(options.simd);
+        let mut tree = Self { bounds, nodes, wide, leaves, kernel, statistics: Statistics::default() };
         tree.statistics = Statistics {
             triangles: triangles.len() as u64,
             nodes: tree.nodes.len() as u64,
@@ -100,7 +105,7 @@ impl KdTree {
             references: built.triangles.len() as u64,
             depth: built.depth(),
             sah_cost: built.cost(),
-            bytes: (size_of_val(tree.nodes.as_slice()) + tree.leaves.bytes()) as u64,
+            bytes: tree.bytes() as u64,
             build_seconds: begin.elapsed().as_secs_f64(),
         };
         Ok(tree)
@@ -109,12 +114,12 @@ impl KdTree {
     /// The nearest hit with `0 < t < ray.t_max` among those that `accept` lets through; of several at the same distance
     /// the triangle of the lowest number. `accept` must answer alike when it is asked twice about a triangle and a ray.
     pub fn closest(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
-        binary::nearest(self.binary(), ray, false, accept)
+        self.kernel.nearest::<false>(self.wide(), ray, accept)
     }
 
     /// Whether any accepted hit lies on the ray.
     pub fn occluded(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
-        binary::nearest(self.binary(), ray, true, accept).is_some()
+        self.kernel.nearest::<true>(self.wide(), ray, accept).is_some()
     }
 
     /// [`KdTree::closest`] by the planes of the binary tree, in plain code: the definition.
@@ -138,12 +143,21 @@ impl KdTree {
     /// # Errors
     /// What is wrong, in a sentence.
     pub fn validate(&self, triangles: &impl Triangles) -> Result<(), String> {
-        validate::binary(self.binary(), triangles)
+        let boxes = wide::validate::check(self.wide(), self.binary())?;
+        validate::check(self.binary(), &boxes, triangles)
     }
 
     /// Whether two trees have the same cells and the same leaves, word for word.
     pub fn same_as(&self, other: &Self) -> bool {
-        self.nodes == other.nodes && self.leaves.words() == other.leaves.words()
+        self.nodes == other.nodes && self.wide == other.wide && self.leaves.words() == other.leaves.words()
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.wide.as_slice()) + self.leaves.bytes()
+    }
+
+    fn wide(&self) -> wide::WideTree<'_> {
+        wide::WideTree { nodes: &self.wide, leaves: &self.leaves }
     }
 
     fn binary(&self) -> binary::Tree<'_> {

@@ -8,7 +8,8 @@
 //!
 //! The second part is in the boxes: references hold the triangle thickened by more than 7u·D (see `clip`), in every cell
 //! that it touches. The first part is here: distances to planes are taken shorter or longer by [`RELATIVE_ERROR`], which
-//! covers 8u and the three or four roundings of the slab test itself. Hence, for the cell that holds the point x between
+//! covers 8u and the roundings of the slab test that are relative to the distance. The distance to a plane p is
+//! `p·(1/d) − o·(1/d)`, whose other roundings are relative to `o·(1/d)`: they are in the second term. Hence, for the cell that holds the point x between
 //! q and o + t·d, `enter ≤ t ≤ leave` on every axis and at every ancestor; a traversal that skips only boxes with
 //! `enter > nearest hit` or `enter > leave` finds what brute force finds.
 
@@ -16,31 +17,33 @@ use crate::math::Ray;
 
 /// 20 u: see above.
 pub const RELATIVE_ERROR: f32 = 20.0 / 16_777_216.0;
+/// 16 u, more than the roundings of the term that only depends on the ray, and of products with planes.
+const OFFSET_ERROR: f32 = 16.0 / 16_777_216.0;
 
 /// Directions below this (after scaling) count as parallel to the planes of their axis.
-const PARALLEL: f32 = 1e-37;
-/// No ray leaves the planes that it is parallel to by so much within any scene.
-const DRIFT: f32 = 1e-18;
-/// Reciprocal of a direction that counts as parallel.
-const HUGE: f32 = 1e38;
+const PARALLEL: f32 = 1e-24;
+/// Reciprocal of a direction that counts as parallel. Its product with any coordinate is finite.
+const HUGE: f32 = 1e25;
+/// Beyond any distance, and beyond `HUGE` times the way across that a parallel ray may make within a scene.
+const FAR: f32 = 2e14;
 
 /// A ray as the slab test wants it. Its distances are scaled by a power of two so that the direction's largest
 /// component lies in [1, 2); that keeps all of them in f32's range whatever the length of the direction.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
-    /// Origins for the planes where a box is entered.
-    pub enter_origin: [f32; 3],
-    /// Reciprocal directions there, a little too small.
+    /// Reciprocal directions for the planes where a box is entered, a little too small.
     pub enter_inv: [f32; 3],
-    /// Origins for the planes where a box is left.
-    pub leave_origin: [f32; 3],
-    /// Reciprocal directions there, a little too large.
+    /// What is added to the product with the plane: minus the origin's, a little too small.
+    pub enter_add: [f32; 3],
+    /// Reciprocal directions for the planes where a box is left, a little too large.
     pub leave_inv: [f32; 3],
+    /// What is added to the product with the plane: minus the origin's, a little too large.
+    pub leave_add: [f32; 3],
     /// Whether the direction is negative, an axis each: then boxes are entered at their upper end.
     pub negative: [bool; 3],
-    /// A cell that is entered beyond this many times the nearest hit ends the search when cells come in order; infinite
-    /// for a ray that is parallel to an axis, which may run within a plane between two cells, where there is no order.
-    pub stop_factor: f32,
+    /// See [`SlabRay::stop`].
+    stop_factor: f32,
+    stop_add: f32,
     scale: f64,
 }
 
@@ -53,16 +56,19 @@ impl SlabRay {
         let power = |e: i64| f64::from_bits(((e + 1023) as u64) << 52);
         let (shrink, scale) = (power(-exponent), power(exponent));
         let mut slab = Self {
-            enter_origin: ray.origin.to_array(),
-            enter_inv: [0.0; 3],
-            leave_origin: ray.origin.to_array(),
-            leave_inv: [0.0; 3],
+            enter_inv: [HUGE; 3],
+            enter_add: [0.0; 3],
+            leave_inv: [HUGE; 3],
+            leave_add: [0.0; 3],
             negative: [false; 3],
             stop_factor: 1.0 + 8.0 * RELATIVE_ERROR,
+            stop_add: 0.0,
             scale,
         };
         for axis in 0..3 {
             let d = (f64::from(ray.dir[axis]) * shrink) as f32;
+            let origin = ray.origin[axis];
+            let mut slack = 0.0;
             if d.abs() >= PARALLEL {
                 let inv = 1.0 / d;
                 slab.negative[axis] = d < 0.0;
@@ -70,12 +76,14 @@ impl SlabRay {
                 slab.leave_inv[axis] = inv * (1.0 + RELATIVE_ERROR);
             } else {
                 // Inside for ever or never; a ray within a plane is on both of its sides.
-                slab.enter_origin[axis] = (ray.origin[axis] + DRIFT).next_up();
-                slab.leave_origin[axis] = (ray.origin[axis] - DRIFT).next_down();
-                slab.enter_inv[axis] = HUGE;
-                slab.leave_inv[axis] = HUGE;
+                slack = FAR;
                 slab.stop_factor = f32::INFINITY;
             }
+            let (enter, leave) = (origin * slab.enter_inv[axis], origin * slab.leave_inv[axis]);
+            slack += leave.abs() * OFFSET_ERROR;
+            slab.enter_add[axis] = -enter - slack;
+            slab.leave_add[axis] = -leave + slack;
+            slab.stop_add += 4.0 * slack;
         }
         slab
     }
@@ -86,16 +94,24 @@ impl SlabRay {
         (f64::from(t) * self.scale) as f32 + f32::MIN_POSITIVE
     }
 
+    /// With cells in the order in which the ray passes them: when one is entered beyond this, all later ones are entered
+    /// beyond `limit`. The margin covers cells that the ray only passes by, counted in for safety. Infinite for a ray that
+    /// is parallel to an axis: it may run within a plane between two cells, where there is no order.
+    #[inline(always)]
+    pub fn stop(&self, limit: f32) -> f32 {
+        limit * self.stop_factor + self.stop_add
+    }
+
     /// The scaled distance at which a plane is reached at the earliest.
     #[inline(always)]
     pub fn enter(&self, axis: usize, plane: f32) -> f32 {
-        (plane - self.enter_origin[axis]) * self.enter_inv[axis]
+        plane * self.enter_inv[axis] + self.enter_add[axis]
     }
 
     /// The scaled distance at which a plane is left at the latest.
     #[inline(always)]
     pub fn leave(&self, axis: usize, plane: f32) -> f32 {
-        (plane - self.leave_origin[axis]) * self.leave_inv[axis]
+        plane * self.leave_inv[axis] + self.leave_add[axis]
     }
 
     /// From where to where the ray may be inside a box, from 0 on: outside all along when the first exceeds the second.

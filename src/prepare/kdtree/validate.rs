@@ -1,10 +1,11 @@
-//! Checks of a tree, by means of its own.
+//! Checks of the binary tree, by means of its own.
 
 use super::binary::{Tree, View};
 use super::bounds::Bounds;
 use super::leaves::Leaf;
 use super::split::MAX_DEPTH;
 use super::{Triangles, clip};
+use std::collections::BTreeMap;
 
 /// A cell still to be looked at: its node, its box by the planes above, and the triangles that touch it.
 struct Task {
@@ -14,10 +15,13 @@ struct Task {
     depth: u32,
 }
 
+/// The boxes of leaves in the wide nodes, by the leaves' places.
+pub type LeafBoxes = BTreeMap<u32, Bounds>;
+
 /// Walks the binary tree with the triangles that touch each cell.
 ///
 /// Cells are disjoint and cover the root if each plane lies within its cell, and each node but the root has one parent.
-pub fn binary<T: Triangles>(tree: Tree, triangles: &T) -> Result<(), String> {
+pub fn check<T: Triangles>(tree: Tree, boxes: &LeafBoxes, triangles: &T) -> Result<(), String> {
     let n = triangles.len();
     if tree.nodes.is_empty() {
         return if n == 0 { Ok(()) } else { Err(format!("no node for {n} triangles")) };
@@ -52,9 +56,8 @@ pub fn binary<T: Triangles>(tree: Tree, triangles: &T) -> Result<(), String> {
                 tasks.push(Task { node: node + 1, cell: below, touching: left, depth: depth + 1 });
                 tasks.push(Task { node: right, cell: above, touching: right_touching, depth: depth + 1 });
             }
-            View::Leaf(leaf) => {
-                self::leaf(tree, leaf, &cell, &touching, triangles).map_err(|e| format!("node {node}: {e}"))?
-            }
+            View::Leaf(leaf) => self::leaf(tree, leaf, &cell, &touching, triangles, boxes.get(&leaf.first))
+                .map_err(|e| format!("node {node}: {e}"))?,
         }
     }
     match visited.iter().position(|&v| !v) {
@@ -63,9 +66,16 @@ pub fn binary<T: Triangles>(tree: Tree, triangles: &T) -> Result<(), String> {
     }
 }
 
-fn leaf<T: Triangles>(tree: Tree, leaf: Leaf, cell: &Bounds, touching: &[u32], triangles: &T) -> Result<(), String> {
+fn leaf<T: Triangles>(
+    tree: Tree,
+    leaf: Leaf,
+    cell: &Bounds,
+    touching: &[u32],
+    triangles: &T,
+    wide: Option<&Bounds>,
+) -> Result<(), String> {
     let mut held = Vec::new();
-    for block in tree.leaves.blocks(leaf) {
+    for block in tree.leaves.blocks(leaf.first, leaf.count as usize) {
         for i in 0..block.len {
             let t = block.triangle(i);
             if t as usize >= triangles.len() {
@@ -73,6 +83,13 @@ fn leaf<T: Triangles>(tree: Tree, leaf: Leaf, cell: &Bounds, touching: &[u32], t
             }
             if block.corners(i) != triangles.vertices(t).map(|v| v.to_array()) {
                 return Err(format!("the corners of triangle {t} are not its own"));
+            }
+            let outside = |p: &[f64; 3]| {
+                let beyond = |b: &Bounds| (0..3).any(|a| p[a] < f64::from(b.lo(a)) || p[a] > f64::from(b.hi(a)));
+                wide.is_none_or(beyond)
+            };
+            if clip::part(&block.corners(i), cell).iter().any(outside) {
+                return Err(format!("triangle {t} leaves the box of its leaf"));
             }
             held.push(t);
         }

@@ -1,0 +1,157 @@
+//! Rays a second: the kd-tree's forms against each other, and against Embree.
+//!
+//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce]
+//!
+//! Meshes are made here: scan, terrain, knot, stadium, hair, foliage. Rays come from the tree itself: a camera, one bounce
+//! (diffuse) from each hit, the same shuffled, a second bounce, and a shadow ray to a point of a light above. All contenders take turns, pass
+//! by pass, on one thread; the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
+//! mesh and the rays as files and is asked for passes over its standard input.
+
+#[path = "bench_rays/embree.rs"]
+mod embree;
+#[path = "bench_rays/meshes.rs"]
+mod meshes;
+#[path = "bench_rays/rays.rs"]
+mod rays;
+
+use cpu_time::ThreadTime;
+use kiln::Control;
+use kiln::math::Ray;
+use kiln::math::simd::SimdTier;
+use kiln::prepare::kdtree::{BuildOptions, KdTree};
+use kiln::settings::KdTreeBuilder;
+
+/// What the command line asks for.
+struct Arguments {
+    meshes: Vec<String>,
+    passes: usize,
+    embree: Option<String>,
+    forms: Vec<String>,
+    sets: Vec<String>,
+    builder: KdTreeBuilder,
+}
+
+fn arguments() -> Arguments {
+    let mut asked = Arguments {
+        meshes: Vec::new(),
+        passes: 5,
+        embree: None,
+        forms: vec!["avx512".into()],
+        sets: Vec::new(),
+        builder: KdTreeBuilder::Sah,
+    };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().expect("a value after the option");
+        match word.as_str() {
+            "--passes" => asked.passes = value().parse().expect("a number of passes"),
+            "--embree" => asked.embree = Some(value()),
+            "--forms" => asked.forms = value().split(',').map(String::from).collect(),
+            "--sets" => asked.sets = value().split(',').map(String::from).collect(),
+            "--builder" => asked.builder = serde_json::from_value(value().into()).expect("median, sampled or sah"),
+            mesh => asked.meshes.push(mesh.into()),
+        }
+    }
+    if asked.meshes.is_empty() {
+        asked.meshes = meshes::NAMES.map(String::from).to_vec();
+    }
+    asked
+}
+
+/// One pass over rays: seconds, hits, and the sum of distances.
+struct Pass {
+    seconds: f64,
+    hits: u64,
+    sum_t: f64,
+}
+
+fn pass(tree: &KdTree, form: &str, rays: &[Ray], any: bool) -> Pass {
+    let (mut hits, mut sum_t) = (0, 0.0);
+    let begin = ThreadTime::now();
+    for ray in rays {
+        if any {
+            hits += u64::from(if form == "planes" {
+                tree.occluded_by_planes(ray, |_| true)
+            } else {
+                tree.occluded(ray, |_| true)
+            });
+        } else if let Some(hit) =
+            if form == "planes" { tree.closest_by_planes(ray, |_| true) } else { tree.closest(ray, |_| true) }
+        {
+            hits += 1;
+            sum_t += f64::from(hit.t);
+        }
+    }
+    Pass { seconds: begin.elapsed().as_secs_f64(), hits, sum_t }
+}
+
+fn main() {
+    let asked = arguments();
+    println!("mesh\trays\tcontender\tMrays/s\tratio\thits\tmean_t");
+    let mut logs: Vec<f64> = Vec::new();
+    for name in &asked.meshes {
+        let mesh = meshes::make(name);
+        let build = |simd| {
+            let options = BuildOptions { builder: asked.builder, seed: 1, simd };
+            KdTree::build(&mesh, &options, &Control::default()).expect("not stopped")
+        };
+        let trees: Vec<(String, KdTree)> =
+            asked.forms.iter().map(|form| (form.clone(), build(form.parse().unwrap_or(SimdTier::Scalar)))).collect();
+        let statistics = trees[0].1.statistics();
+        let best_build = (0..3).map(|_| build(SimdTier::Scalar).statistics().build_seconds).fold(f64::MAX, f64::min);
+        println!(
+            "# {name}: {} triangles, {:.2} references, {:.1} a leaf, depth {}, cost {:.2}, {:.1} bytes each, built in {best_build:.3} s",
+            statistics.triangles,
+            statistics.references as f64 / statistics.triangles as f64,
+            statistics.references as f64 / statistics.leaves as f64,
+            statistics.depth,
+            statistics.sah_cost,
+            statistics.bytes as f64 / statistics.triangles as f64,
+        );
+        let sets = rays::sets(&mesh, &trees[0].1);
+        let mut rival = asked.embree.as_ref().map(|program| embree::Rival::new(program, &mesh));
+        if let Some(rival) = &rival {
+            println!("# {name}: embree built in {:.3} s", rival.build_seconds);
+        }
+        for set in sets.iter().filter(|set| asked.sets.is_empty() || asked.sets.iter().any(|s| s == set.name)) {
+            let mut best: Vec<Pass> = trees.iter().map(|_| Pass { seconds: f64::MAX, hits: 0, sum_t: 0.0 }).collect();
+            let mut theirs = Pass { seconds: f64::MAX, hits: 0, sum_t: 0.0 };
+            if let Some(rival) = &mut rival {
+                rival.load(set);
+            }
+            for _ in 0..asked.passes {
+                for ((form, tree), best) in trees.iter().zip(&mut best) {
+                    let now = pass(tree, form, &set.rays, set.any);
+                    *best = if now.seconds < best.seconds { now } else { Pass { seconds: best.seconds, ..now } };
+                }
+                if let Some(rival) = &mut rival {
+                    let now = rival.pass();
+                    theirs = if now.seconds < theirs.seconds { now } else { theirs };
+                }
+            }
+            let n = set.rays.len() as f64;
+            let print = |who: &str, p: &Pass, ratio: f64| {
+                let mean_t = p.sum_t / p.hits.max(1) as f64;
+                println!(
+                    "{name}\t{}\t{who}\t{:.2}\t{ratio:.2}\t{}\t{mean_t:.6}",
+                    set.name,
+                    n / p.seconds * 1e-6,
+                    p.hits
+                );
+            };
+            let base = if rival.is_some() { theirs.seconds } else { best[0].seconds };
+            for ((form, _), p) in trees.iter().zip(&best) {
+                print(form, p, base / p.seconds);
+            }
+            if rival.is_some() {
+                print("embree", &theirs, 1.0);
+                if let Some(last) = best.last() {
+                    logs.push((theirs.seconds / last.seconds).ln());
+                }
+            }
+        }
+    }
+    if !logs.is_empty() {
+        println!("# geometric mean of the last form: {:.3}", (logs.iter().sum::<f64>() / logs.len() as f64).exp());
+    }
+}

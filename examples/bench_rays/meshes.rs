@@ -1,0 +1,177 @@
+//! Meshes of our own making.
+
+use glam::Vec3;
+use kiln::prepare::kdtree::Triangles;
+
+pub const NAMES: [&str; 6] = ["scan", "terrain", "knot", "stadium", "hair", "foliage"];
+
+/// Corners and faces.
+pub struct Mesh {
+    pub points: Vec<Vec3>,
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl Triangles for Mesh {
+    fn len(&self) -> usize {
+        self.faces.len()
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.faces[triangle as usize].map(|i| self.points[i as usize])
+    }
+}
+
+pub fn hash(i: u32, k: u32) -> f32 {
+    let mut x = u64::from(i) << 32 | u64::from(k);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9).wrapping_add(0x1234_5678_9abc);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((x ^ (x >> 31)) >> 40) as f32 / 16_777_216.0
+}
+
+fn grid(nu: u32, nv: u32, point: impl Fn(f32, f32) -> Vec3) -> Mesh {
+    let points = (0..=nu)
+        .flat_map(|i| (0..=nv).map(move |k| (i, k)))
+        .map(|(i, k)| point(i as f32 / nu as f32, k as f32 / nv as f32))
+        .collect();
+    let at = |i: u32, k: u32| i * (nv + 1) + k;
+    let faces = (0..nu)
+        .flat_map(|i| (0..nv).map(move |k| (i, k)))
+        .flat_map(|(i, k)| [[at(i, k), at(i + 1, k), at(i + 1, k + 1)], [at(i, k), at(i + 1, k + 1), at(i, k + 1)]]);
+    Mesh { faces: faces.collect(), points }
+}
+
+fn noise(x: f32, z: f32) -> f32 {
+    let (i, k) = (x.floor(), z.floor());
+    let smooth = |f: f32| f * f * (3.0 - 2.0 * f);
+    let (fx, fz) = (smooth(x - i), smooth(z - k));
+    let h = |a: f32, b: f32| hash((i + a) as i32 as u32, (k + b) as i32 as u32);
+    let (low, high) = (h(0.0, 0.0) * (1.0 - fx) + h(1.0, 0.0) * fx, h(0.0, 1.0) * (1.0 - fx) + h(1.0, 1.0) * fx);
+    low * (1.0 - fz) + high * fz
+}
+
+fn fractal(x: f32, z: f32, octaves: u32, first: f32) -> f32 {
+    let (mut sum, mut amplitude, mut frequency) = (0.0, 0.5, first);
+    for octave in 0..octaves {
+        let n = noise(x * frequency + 13.7 * octave as f32, z * frequency + 7.1 * octave as f32);
+        sum += amplitude * if octave < 4 { 1.0 - (2.0 * n - 1.0).abs() } else { n };
+        amplitude *= 0.5;
+        frequency *= 2.0;
+    }
+    sum
+}
+
+/// A lumpy body, triangles of like size in rows, as range scanners make them.
+fn scan() -> Mesh {
+    grid(560, 270, |u, v| {
+        let (a, b) = (core::f32::consts::TAU * u, core::f32::consts::PI * (0.02 + 0.96 * v));
+        let dir = Vec3::new(libm::sinf(b) * libm::cosf(a), libm::cosf(b), libm::sinf(b) * libm::sinf(a));
+        let lumps = 0.25 * libm::sinf(3.0 * dir.x + 1.0) * libm::sinf(4.0 * dir.y) * libm::sinf(3.0 * dir.z + 2.0);
+        let detail = 0.03 * libm::sinf(23.0 * dir.x) * libm::sinf(19.0 * dir.y) * libm::sinf(29.0 * dir.z);
+        let grain = 0.003 * hash((u * 560.0) as u32, (v * 270.0) as u32);
+        dir * (1.0 + lumps + detail + grain)
+    })
+}
+
+fn terrain() -> Mesh {
+    grid(1000, 500, |u, v| {
+        let (x, z) = (20.0 * u - 10.0, 10.0 * v - 5.0);
+        Vec3::new(x, 2.4 * fractal(x + 40.0, z + 40.0, 9, 0.35), z)
+    })
+}
+
+fn knot() -> Mesh {
+    let centre = |t: f32| {
+        let r = 2.0 + libm::cosf(3.0 * t);
+        Vec3::new(r * 0.5 * libm::cosf(2.0 * t), libm::sinf(3.0 * t) * 0.5, r * 0.5 * libm::sinf(2.0 * t))
+    };
+    grid(2200, 350, |u, v| {
+        let (a, b) = (core::f32::consts::TAU * u, core::f32::consts::TAU * v);
+        let along = (centre(a + 1e-2) - centre(a - 1e-2)).normalize();
+        let side = along.cross(centre(a)).normalize();
+        let up = side.cross(along);
+        let bumps = 1.0
+            + 0.12 * libm::sinf(40.0 * a) * libm::sinf(8.0 * b)
+            + 0.03 * libm::sinf(210.0 * a) * libm::cosf(32.0 * b);
+        centre(a) + (up * libm::cosf(b) + side * libm::sinf(b)) * (0.3 * bumps)
+    })
+}
+
+fn push(mesh: &mut Mesh, part: Mesh) {
+    let base = mesh.points.len() as u32;
+    mesh.points.extend(part.points);
+    mesh.faces.extend(part.faces.iter().map(|f| f.map(|i| i + base)));
+}
+
+/// A few huge triangles around, rows of seats, and a dense ball in the middle: the teapot in a stadium.
+fn stadium() -> Mesh {
+    let mut all = grid(1, 1, |u, v| Vec3::new(200.0 * u - 100.0, 0.0, 200.0 * v - 100.0));
+    for side in 0..24 {
+        let angle = core::f32::consts::TAU * side as f32 / 24.0;
+        let next = core::f32::consts::TAU * (side + 1) as f32 / 24.0;
+        push(
+            &mut all,
+            grid(1, 12, |u, v| {
+                let a = angle + u * (next - angle);
+                Vec3::new((40.0 + 30.0 * v) * libm::cosf(a), 20.0 * v, (40.0 + 30.0 * v) * libm::sinf(a))
+            }),
+        );
+    }
+    for seat in 0..3000u32 {
+        let (row, place) = (seat / 150, seat % 150);
+        let a = core::f32::consts::TAU * place as f32 / 150.0;
+        let r = 42.0 + 1.4 * row as f32;
+        let at = Vec3::new(r * libm::cosf(a), 0.95 * row as f32 + 1.2, r * libm::sinf(a));
+        push(&mut all, grid(2, 2, |u, v| at + Vec3::new(u * 0.6, v * 0.6, u * v * 0.5)));
+    }
+    push(
+        &mut all,
+        grid(220, 170, |u, v| {
+            let (a, b) = (core::f32::consts::TAU * u, core::f32::consts::PI * v);
+            let r = 1.0 + 0.05 * libm::sinf(12.0 * a) * libm::sinf(9.0 * b);
+            Vec3::new(r * libm::sinf(b) * libm::cosf(a), 1.0 + r * libm::cosf(b), r * libm::sinf(b) * libm::sinf(a))
+        }),
+    );
+    all
+}
+
+/// Curved strands of thin triangles on a ball.
+fn hair() -> Mesh {
+    let mut all = Mesh { points: Vec::new(), faces: Vec::new() };
+    for strand in 0..14_000u32 {
+        let (z, a) = (1.0 - 2.0 * hash(strand, 0), core::f32::consts::TAU * hash(strand, 1));
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        let root = Vec3::new(r * libm::cosf(a), z, r * libm::sinf(a));
+        let lean = Vec3::new(hash(strand, 2) - 0.5, -0.6, hash(strand, 3) - 0.5);
+        let side = root.cross(lean).normalize() * 0.0015;
+        let point = move |s: f32| root * (1.0 + 0.9 * s) + lean * (s * s);
+        push(&mut all, grid(8, 1, |u, v| point(u) + side * (2.0 * v - 1.0) * (1.0 - 0.9 * u)));
+    }
+    all
+}
+
+/// Many small leaves at all angles.
+fn foliage() -> Mesh {
+    let mut all = Mesh { points: Vec::new(), faces: Vec::new() };
+    for leaf in 0..100_000u32 {
+        let h = |k: u32| hash(leaf, k) * 2.0 - 1.0;
+        let at = Vec3::new(h(0), h(1), h(2)) * (0.4 + 0.6 * hash(leaf, 3));
+        let (along, across) = (Vec3::new(h(4), h(5), h(6)) * 0.03, Vec3::new(h(7), h(8), h(9)) * 0.012);
+        push(
+            &mut all,
+            grid(2, 1, |u, v| at + along * u + across * ((2.0 * v - 1.0) * (1.0 - (2.0 * u - 1.0).abs() * 0.8))),
+        );
+    }
+    all
+}
+
+pub fn make(name: &str) -> Mesh {
+    match name {
+        "scan" => scan(),
+        "terrain" => terrain(),
+        "knot" => knot(),
+        "stadium" => stadium(),
+        "hair" => hair(),
+        "foliage" => foliage(),
+        other => panic!("unknown mesh {other}: {NAMES:?}"),
+    }
+}

@@ -1,0 +1,106 @@
+// Embree's side of the ray race (examples/bench_rays.rs): one thread, single-ray queries, answers over standard output.
+//   c++ -O3 -march=native scripts/bench/embree_rays.cpp -o embree_rays -lembree3     (Debian: apt-get install libembree-dev)
+// embree_rays MESH.bin [robust]: builds with two threads and prints the seconds; then reads commands:
+//   closest FILE | any FILE   loads rays (u32 n, then n * (ox oy oz tnear dx dy dz tfar))
+//   pass                      traces them and prints seconds, hits, the sum of the hits' distances
+//   quit
+#include <embree3/rtcore.h>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <time.h>
+#include <vector>
+
+// CPU seconds of this thread: others may be busy on the machine.
+static double cpu() {
+    timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return t.tv_sec + t.tv_nsec * 1e-9;
+}
+static double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+struct InputRay {
+    float origin[3], tnear, dir[3], tfar;
+};
+
+static void set(RTCRay& ray, const InputRay& in) {
+    ray.org_x = in.origin[0], ray.org_y = in.origin[1], ray.org_z = in.origin[2], ray.tnear = in.tnear;
+    ray.dir_x = in.dir[0], ray.dir_y = in.dir[1], ray.dir_z = in.dir[2], ray.tfar = in.tfar;
+    ray.time = 0, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
+}
+
+int main(int argc, char** argv) {
+    if (argc < 2) return 2;
+    bool robust = argc > 2 && !strcmp(argv[2], "robust");
+    std::ifstream file(argv[1], std::ios::binary);
+    uint32_t counts[2];
+    if (!file.read(reinterpret_cast<char*>(counts), 8)) return 1;
+    std::vector<float> points(counts[0] * 3 + 4);
+    std::vector<uint32_t> faces(counts[1] * 3);
+    file.read(reinterpret_cast<char*>(points.data()), counts[0] * 12);
+    file.read(reinterpret_cast<char*>(faces.data()), counts[1] * 12);
+
+    RTCDevice device = rtcNewDevice("threads=2,set_affinity=0");
+    double best = 1e30;
+    RTCScene scene = nullptr;
+    for (int k = 0; k < 3; k++) {
+        if (scene) rtcReleaseScene(scene);
+        scene = rtcNewScene(device);
+        RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, points.data(), 0, 12, counts[0]);
+        rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, faces.data(), 0, 12, counts[1]);
+        rtcCommitGeometry(mesh);
+        rtcAttachGeometry(scene, mesh);
+        rtcReleaseGeometry(mesh);
+        if (robust) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+        double begin = now();
+        rtcCommitScene(scene);
+        best = std::min(best, now() - begin);
+    }
+    std::cout << best << std::endl;
+
+    std::vector<InputRay> rays;
+    bool any = false;
+    std::string command;
+    while (std::cin >> command && command != "quit") {
+        if (command == "pass") {
+            uint64_t hits = 0;
+            double sum = 0, begin = cpu();
+            for (const InputRay& in : rays) {
+                RTCIntersectContext context;
+                rtcInitIntersectContext(&context);
+                if (any) {
+                    RTCRay ray;
+                    set(ray, in);
+                    rtcOccluded1(scene, &context, &ray);
+                    hits += ray.tfar < 0;
+                } else {
+                    RTCRayHit hit;
+                    set(hit.ray, in);
+                    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+                    rtcIntersect1(scene, &context, &hit);
+                    if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID) hits++, sum += hit.ray.tfar;
+                }
+            }
+            double seconds = cpu() - begin;
+            std::printf("%.9f %llu %.9g\n", seconds, (unsigned long long)hits, sum);
+            std::fflush(stdout);
+        } else {
+            std::string path;
+            std::cin >> path;
+            any = command == "any";
+            std::ifstream in(path, std::ios::binary);
+            uint32_t n = 0;
+            in.read(reinterpret_cast<char*>(&n), 4);
+            rays.resize(n);
+            in.read(reinterpret_cast<char*>(rays.data()), n * sizeof(InputRay));
+            std::cout << n << std::endl;
+        }
+    }
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+}

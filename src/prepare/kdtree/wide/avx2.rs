@@ -1,0 +1,174 @@
+//! The kernel in AVX2: two times eight lanes.
+#![allow(unsafe_code)]
+
+use super::super::slab::SlabRay;
+use super::WideTree;
+use super::kernel::{Enters, Kernel, octant};
+use super::node::{WIDTH, WideNode};
+use super::traverse;
+use crate::math::simd::SimdTier;
+use crate::math::triangle::ShearedRay;
+use crate::math::{Hit, Ray};
+use std::arch::x86_64::*;
+
+/// Proof that the machine has AVX2 and FMA.
+#[derive(Clone, Copy, Debug)]
+pub struct Avx2(());
+
+/// A ray in registers.
+#[derive(Clone, Copy, Debug)]
+pub struct Avx2Ray {
+    enter_add: [__m256; 3],
+    enter_inv: [__m256; 3],
+    leave_add: [__m256; 3],
+    leave_inv: [__m256; 3],
+    /// Where in a node the rows of planes begin at which boxes are entered and left; below `6 · WIDTH`.
+    first: [usize; 3],
+    last: [usize; 3],
+    /// The node's order for this octant: which, its halves, and the shifts to its nibbles.
+    order: usize,
+    halves: [usize; 2],
+    shifts: __m256i,
+}
+
+impl Avx2 {
+    /// The proof, on a machine that has it.
+    #[inline(always)]
+    pub fn new() -> Option<Self> {
+        (SimdTier::detect() >= SimdTier::Avx2).then_some(Self(()))
+    }
+
+    /// See [`traverse::nearest`].
+    #[inline(always)]
+    pub fn nearest<const ANY: bool>(self, tree: WideTree, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        // SAFETY: `self` exists only on machines with these features.
+        unsafe { nearest_with_features::<ANY>(self, tree, ray, accept) }
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn nearest_with_features<const ANY: bool>(
+    kernel: Avx2,
+    tree: WideTree,
+    ray: &Ray,
+    accept: impl FnMut(&Hit) -> bool,
+) -> Option<Hit> {
+    traverse::nearest::<ANY, _>(kernel, tree, ray, accept)
+}
+
+// Everything in vectors is in functions with the features, closures included; else nothing would be inlined.
+impl Kernel for Avx2 {
+    type Ray = Avx2Ray;
+
+    #[inline(always)]
+    fn prepare(self, slab: &SlabRay) -> Avx2Ray {
+        // SAFETY: `self` is the proof that the machine has the features.
+        unsafe { prepare(slab) }
+    }
+
+    #[inline(always)]
+    fn enter(self, ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
+        // SAFETY: `self` is the proof that the machine has the features.
+        unsafe { enter(ray, node, limit, enters) }
+    }
+
+    #[inline(always)]
+    fn candidates(self, ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
+        // SAFETY: `self` is the proof that the machine has the features.
+        unsafe { candidates(ray, words, len) }
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn prepare(slab: &SlabRay) -> Avx2Ray {
+    let octant = octant(slab);
+    let reversed = octant >= 4;
+    let row = |axis: usize, first: bool| if slab.negative[axis] == first { axis + 3 } else { axis };
+    let spread = |x: [f32; 3]| x.map(|x| _mm256_set1_ps(x));
+    let forwards = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
+    let backwards = _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0);
+    Avx2Ray {
+        enter_add: spread(slab.enter_add),
+        enter_inv: spread(slab.enter_inv),
+        leave_add: spread(slab.leave_add),
+        leave_inv: spread(slab.leave_inv),
+        first: [0, 1, 2].map(|axis| WIDTH * row(axis, true)),
+        last: [0, 1, 2].map(|axis| WIDTH * row(axis, false)),
+        order: if reversed { 7 - octant } else { octant },
+        halves: if reversed { [32, 0] } else { [0, 32] },
+        shifts: if reversed { backwards } else { forwards },
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn enter(ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
+    let planes = node.planes.as_ptr().cast::<f32>();
+    let (mut entered, mut left) = ([_mm256_setzero_ps(); 2], [_mm256_set1_ps(limit); 2]);
+    for half in 0..2 {
+        for axis in 0..3 {
+            // SAFETY: `prepare` makes offsets of whole rows of 16 within the planes; halves of rows are aligned to 32 bytes.
+            let (first, last) = unsafe {
+                let row = |at: usize| _mm256_load_ps(planes.add(at + 8 * half));
+                (row(ray.first[axis]), row(ray.last[axis]))
+            };
+            let enter = _mm256_fmadd_ps(first, ray.enter_inv[axis], ray.enter_add[axis]);
+            let leave = _mm256_fmadd_ps(last, ray.leave_inv[axis], ray.leave_add[axis]);
+            entered[half] = _mm256_max_ps(entered[half], enter);
+            left[half] = _mm256_min_ps(left[half], leave);
+        }
+    }
+    let order = node.orders[ray.order & 3];
+    let mut result = 0;
+    for (k, shift) in ray.halves.into_iter().enumerate() {
+        let slots = _mm256_srlv_epi32(_mm256_set1_epi32((order >> (shift & 63)) as i32), ray.shifts);
+        // Bit 3 of a slot selects the half; blending looks at the sign bit.
+        let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(slots));
+        let pick = |[low, high]: [__m256; 2]| {
+            let (a, b) = (_mm256_permutevar8x32_ps(low, slots), _mm256_permutevar8x32_ps(high, slots));
+            _mm256_blendv_ps(a, b, upper)
+        };
+        let (entered, left) = (pick(entered), pick(left));
+        // SAFETY: eight of sixteen numbers, aligned to 32 bytes.
+        unsafe { _mm256_store_ps(enters.0.as_mut_ptr().add(8 * k), entered) };
+        let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(entered, left));
+        result |= (mask as u32) << (8 * k);
+    }
+    result
+}
+
+/// Edge functions in f32: rounding is monotone, so a sign other than zero is right, and a triangle with edges of both
+/// signs is not met.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn candidates(ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
+    assert!(words.len() >= 9 * len + 16);
+    let base = words.as_ptr().cast::<f32>();
+    let [x, y, z] = ray.axes;
+    let origin = |axis: usize| _mm256_set1_ps(ray.origin[axis]);
+    let (origin_x, origin_y, origin_z) = (origin(x), origin(y), origin(z));
+    let (shear_x, shear_y) = (_mm256_set1_ps(ray.shear_x), _mm256_set1_ps(ray.shear_y));
+    let mut missed = 0;
+    for begin in (0..len).step_by(8) {
+        let (mut sheared_x, mut sheared_y) = ([_mm256_setzero_ps(); 3], [_mm256_setzero_ps(); 3]);
+        for corner in 0..3 {
+            let row = |axis: usize| (3 * corner + axis) * len + begin;
+            // SAFETY: the loads begin at 8·len + 8 at most and read 8 words, which the assertion allows.
+            let load = |at: usize| unsafe { _mm256_loadu_ps(base.add(at)) };
+            let along = _mm256_sub_ps(load(row(z)), origin_z);
+            sheared_x[corner] = _mm256_sub_ps(_mm256_sub_ps(load(row(x)), origin_x), _mm256_mul_ps(shear_x, along));
+            sheared_y[corner] = _mm256_sub_ps(_mm256_sub_ps(load(row(y)), origin_y), _mm256_mul_ps(shear_y, along));
+        }
+        let ([ax, bx, cx], [ay, by, cy]) = (sheared_x, sheared_y);
+        let edge = |px, py, qx, qy| _mm256_sub_ps(_mm256_mul_ps(px, qy), _mm256_mul_ps(py, qx));
+        let zero = _mm256_setzero_ps();
+        let (mut negative, mut positive) = (zero, zero);
+        for side in [edge(cx, cy, bx, by), edge(ax, ay, cx, cy), edge(bx, by, ax, ay)] {
+            negative = _mm256_or_ps(negative, _mm256_cmp_ps::<_CMP_LT_OQ>(side, zero));
+            positive = _mm256_or_ps(positive, _mm256_cmp_ps::<_CMP_GT_OQ>(side, zero));
+        }
+        missed |= (_mm256_movemask_ps(_mm256_and_ps(negative, positive)) as u32) << begin;
+    }
+    !missed & ((1 << len) - 1)
+}

@@ -1,0 +1,140 @@
+//! From the binary tree to wide nodes.
+
+use super::super::aligned::settle;
+use super::super::build::{Built, BuiltKind};
+use super::super::leaves::{Leaf, Planner};
+use super::node::{Child, WIDTH, WideNode};
+
+/// The wide nodes, and where each leaf of the binary tree (in its order) is to lie.
+pub struct Collapsed {
+    /// Nodes, the root first. Empty when there are no triangles.
+    pub nodes: Vec<WideNode>,
+    /// Places for the leaves; those of one node lie together.
+    pub leaves: Vec<Leaf>,
+    /// Grains that the leaves fill.
+    pub grains: u32,
+}
+
+/// A part of a treelet: a plane with its two sides, a child that stays, or nothing.
+#[derive(Clone, Copy)]
+enum Part {
+    Split { axis: usize, left: usize, right: usize },
+    Child { cell: usize },
+}
+
+/// The cells under one binary cell that become one wide node.
+struct Treelet {
+    parts: [Part; 2 * WIDTH],
+    len: usize,
+}
+
+impl Treelet {
+    /// Opens the child of the largest area again and again, until there are 16 or all are leaves.
+    fn grow(built: &Built, cell: usize) -> Self {
+        let mut treelet = Self { parts: [Part::Child { cell }; 2 * WIDTH], len: 1 };
+        while treelet.len < 2 * WIDTH - 1 {
+            let mut largest: Option<(f32, usize)> = None;
+            for (i, part) in treelet.parts[..treelet.len].iter().enumerate() {
+                if let Part::Child { cell } = *part
+                    && let BuiltKind::Split { .. } = built.cells[cell].kind
+                {
+                    let area = built.cells[cell].bounds.half_area();
+                    if largest.is_none_or(|(most, _)| area > most) {
+                        largest = Some((area, i));
+                    }
+                }
+            }
+            let Some((_, i)) = largest else { break };
+            if let Part::Child { cell } = treelet.parts[i]
+                && let BuiltKind::Split { plane, right } = built.cells[cell].kind
+            {
+                let (left, right_part) = (treelet.len, treelet.len + 1);
+                treelet.parts[left] = Part::Child { cell: cell + 1 };
+                treelet.parts[right_part] = Part::Child { cell: cell + right as usize };
+                treelet.parts[i] = Part::Split { axis: plane.axis, left, right: right_part };
+                treelet.len += 2;
+            }
+        }
+        treelet
+    }
+
+    /// The children in the order in which rays of an octant pass them.
+    fn walk(&self, octant: usize, mut visit: impl FnMut(usize)) {
+        let mut stack = [0usize; WIDTH + 1];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let at = stack[waiting];
+            match self.parts[at] {
+                Part::Child { .. } => visit(at),
+                Part::Split { axis, left, right } => {
+                    let negative = (octant >> axis) & 1 == 1;
+                    let (near, far) = if negative { (right, left) } else { (left, right) };
+                    stack[waiting] = far;
+                    stack[waiting + 1] = near;
+                    waiting += 2;
+                }
+            }
+        }
+    }
+}
+
+/// Collapses a binary tree.
+pub fn collapse(built: &Built) -> Collapsed {
+    let mut planner = Planner::default();
+    let mut leaves = vec![Leaf { first: 0, count: 0 }; built.leaf_count()];
+    let leaf_numbers = built.leaf_numbers();
+    let mut nodes = Vec::new();
+    // Nodes to be made: place among the nodes, and the binary cell.
+    let mut tasks = Vec::new();
+    if !built.cells.is_empty() {
+        nodes.push(WideNode::empty());
+        tasks.push((0usize, 0usize));
+    }
+    while let Some((place, cell)) = tasks.pop() {
+        let treelet = Treelet::grow(built, cell);
+        let mut node = WideNode::empty();
+        node.leaf_base = planner.next();
+        let mut slot_of_part = [0usize; 2 * WIDTH];
+        // Slots are dealt in the order of the first octant.
+        let first_task = tasks.len();
+        treelet.walk(0, |part| {
+            let Part::Child { cell } = treelet.parts[part] else { return };
+            let slot = node.count as usize;
+            slot_of_part[part] = slot;
+            node.count += 1;
+            let child = match built.cells[cell].kind {
+                BuiltKind::Split { .. } => {
+                    nodes.push(WideNode::empty());
+                    tasks.push((nodes.len() - 1, cell));
+                    Child::Node(nodes.len() as u32 - 1)
+                }
+                BuiltKind::Leaf { count } => {
+                    let leaf = planner.place(count);
+                    leaves[leaf_numbers[cell] as usize] = leaf;
+                    let offset = leaf.first - node.leaf_base;
+                    if count as usize <= WIDTH { Child::Leaf(offset, count as usize) } else { Child::Large(offset) }
+                }
+            };
+            let empty = matches!(built.cells[cell].kind, BuiltKind::Leaf { count: 0 });
+            if !empty {
+                node.set_bounds(slot, &built.cells[cell].bounds);
+            }
+            node.children[slot] = child.encode();
+        });
+        tasks[first_task..].reverse();
+        for octant in 0..4 {
+            let mut place = 0;
+            treelet.walk(octant, |part| {
+                node.orders[octant] |= (slot_of_part[part] as u64) << (4 * place);
+                place += 1;
+            });
+            // The free slots last, so that the order is a permutation.
+            for slot in node.count as usize..WIDTH {
+                node.orders[octant] |= (slot as u64) << (4 * slot);
+            }
+        }
+        nodes[place] = node;
+    }
+    Collapsed { nodes: settle(&nodes), leaves, grains: planner.next() }
+}

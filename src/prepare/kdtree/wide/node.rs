@@ -1,0 +1,110 @@
+//! The layout of a wide node.
+
+use super::super::bounds::Bounds;
+
+/// Children that a node may have.
+pub const WIDTH: usize = 16;
+
+/// Up to 16 children: their boxes axis by axis, what they are, and in which order rays pass them.
+///
+/// Slots without a child hold a box that no ray enters.
+#[derive(Clone, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct WideNode {
+    /// Lower ends of the boxes on the three axes, then upper ends.
+    pub planes: [[f32; WIDTH]; 6],
+    /// What is in each slot: see [`Child`].
+    pub children: [u32; WIDTH],
+    /// For directions with positive z and each sign of x (1: negative) and y (2: negative): the slots in the order in
+    /// which rays pass them, four bits a slot, the first in the lowest. Directions with negative z of the opposite
+    /// octant pass them in the opposite order.
+    pub orders: [u64; 4],
+    /// The grain of the leaf store from which the places of leaves in this node count.
+    pub leaf_base: u32,
+    /// Slots in use.
+    pub count: u32,
+    /// Fills the node up to 512 bytes.
+    pub free: [u32; 6],
+}
+
+const LEAF: u32 = 1 << 31;
+const LARGE: u32 = 1 << 30;
+const COUNT_SHIFT: u32 = 26;
+/// Grains that a leaf may lie behind its node's base.
+pub const MAX_OFFSET: u32 = (1 << COUNT_SHIFT) - 1;
+
+/// What is in a slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Child {
+    /// Another node.
+    Node(u32),
+    /// A leaf of 1 to 16 references, so many grains behind the node's base.
+    Leaf(u32, usize),
+    /// A leaf of more references; the grain before it holds their number.
+    Large(u32),
+}
+
+impl Child {
+    /// As a word.
+    pub fn encode(self) -> u32 {
+        match self {
+            Self::Node(at) => at,
+            Self::Leaf(offset, count) => LEAF | ((count as u32).wrapping_sub(1) & 15) << COUNT_SHIFT | offset,
+            Self::Large(offset) => LEAF | LARGE | offset,
+        }
+    }
+
+    /// From a word.
+    #[inline(always)]
+    pub fn decode(word: u32) -> Self {
+        if word & LEAF == 0 {
+            Self::Node(word)
+        } else if word & LARGE == 0 {
+            Self::Leaf(word & MAX_OFFSET, ((word >> COUNT_SHIFT) & 15) as usize + 1)
+        } else {
+            Self::Large(word & MAX_OFFSET)
+        }
+    }
+}
+
+impl WideNode {
+    /// A node without children.
+    pub fn empty() -> Self {
+        let mut planes = [[f32::INFINITY; WIDTH]; 6];
+        planes[3..].fill([f32::NEG_INFINITY; WIDTH]);
+        Self { planes, children: [0; WIDTH], orders: [0; 4], leaf_base: 0, count: 0, free: [0; 6] }
+    }
+
+    /// Sets the box of a slot.
+    pub fn set_bounds(&mut self, slot: usize, bounds: &Bounds) {
+        for axis in 0..3 {
+            self.planes[axis][slot] = bounds.lo(axis);
+            self.planes[axis + 3][slot] = bounds.hi(axis);
+        }
+    }
+
+    /// The box of a slot.
+    pub fn bounds(&self, slot: usize) -> Bounds {
+        let at = |row: usize| self.planes[row][slot];
+        Bounds::new([at(0), at(1), at(2)], [at(3), at(4), at(5)])
+    }
+
+    /// The i-th slot that a ray of an octant passes (bits 0, 1, 2: negative x, y, z).
+    pub fn slot(&self, octant: usize, i: usize) -> usize {
+        let (order, place) = if octant < 4 { (octant, i) } else { (7 - octant, WIDTH - 1 - i) };
+        (self.orders[order] >> (4 * place)) as usize & 15
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_fills_eight_cache_lines_and_words_round_trip() {
+        assert_eq!(size_of::<WideNode>(), 512);
+        for child in [Child::Node(77), Child::Leaf(12345, 1), Child::Leaf(MAX_OFFSET, 16), Child::Large(5)] {
+            assert_eq!(Child::decode(child.encode()), child);
+        }
+    }
+}

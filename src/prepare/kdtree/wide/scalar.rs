@@ -1,0 +1,46 @@
+//! The kernel in plain code.
+
+use super::super::leaves::Block;
+use super::super::slab::SlabRay;
+use super::kernel::{Enters, Kernel, octant};
+use super::node::{WIDTH, WideNode};
+use crate::math::triangle::ShearedRay;
+
+/// Plain code, for any machine; what the other kernels are compared with.
+#[derive(Clone, Copy, Debug)]
+pub struct Scalar;
+
+impl Kernel for Scalar {
+    type Ray = (SlabRay, usize);
+
+    fn prepare(self, slab: &SlabRay) -> Self::Ray {
+        (*slab, octant(slab))
+    }
+
+    #[inline]
+    fn enter(self, (slab, octant): &Self::Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
+        let (mut enter, mut leave) = ([0.0f32; WIDTH], [limit; WIDTH]);
+        for axis in 0..3 {
+            let (lo, hi) = (&node.planes[axis], &node.planes[axis + 3]);
+            let (first, last) = if slab.negative[axis] { (hi, lo) } else { (lo, hi) };
+            for i in 0..WIDTH {
+                let (a, b) = (slab.enter(axis, first[i]), slab.leave(axis, last[i]));
+                enter[i] = if a > enter[i] { a } else { enter[i] };
+                leave[i] = if b < leave[i] { b } else { leave[i] };
+            }
+        }
+        let mut entered = 0;
+        for i in 0..WIDTH {
+            let slot = node.slot(*octant, i);
+            enters.0[i] = enter[slot];
+            entered |= u32::from(enter[slot] <= leave[slot]) << i;
+        }
+        entered
+    }
+
+    #[inline]
+    fn candidates(self, ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
+        let block = Block { len, words };
+        (0..len).map(|i| u32::from(ray.meet(block.corners(i), 0).is_some()) << i).sum()
+    }
+}
