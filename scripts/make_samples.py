@@ -20,6 +20,8 @@ SAMPLES = {
     "coloured_spots.glb": lit.coloured_spots,
     "cornell_box.glb": lit.cornell_box,
     "desk_globe.gltf": nature.globe,
+    "dolls.obj": models.dolls,
+    "frosted_dice.gltf": tabletop.frosted_dice,
     "kintsugi.glb": tabletop.kintsugi,
     "metal_stairs.glb": tabletop.metal_stairs,
     "monstera.glb": nature.monstera,

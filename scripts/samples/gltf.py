@@ -1,6 +1,7 @@
-"""A small deterministic writer of glTF 2.0, as one .glb or as .gltf with its resources in a folder."""
+"""A small deterministic writer of glTF 2.0, as one .glb, as .gltf with its resources in a folder, or as .gltf alone."""
 import json
 import struct
+from base64 import b64encode
 from urllib.parse import quote
 
 import numpy as np
@@ -9,7 +10,7 @@ from .shapes import unit
 
 
 class Gltf:
-    """Collects meshes, materials, pictures, lights and nodes; `save_glb` or `save_gltf` writes them."""
+    """Collects meshes, materials, pictures, lights and nodes; `save_…` writes them."""
 
     def __init__(self):
         self.json = {"asset": {"version": "2.0", "generator": "Kiln scripts/make_samples.py", "copyright": "CC0-1.0"},
@@ -143,6 +144,12 @@ class Gltf:
         self._finish()
         self.json["buffers"][0]["uri"] = quote(f"{folder}/{buffer_name}")
         (path.parent / folder / buffer_name).write_bytes(self.bin)
+        path.write_text(json.dumps(self.json, indent=1) + "\n")
+
+    def save_embedded(self, path):
+        """A .gltf without companions: its buffer is a data: URI. For assets without pictures."""
+        self._finish()
+        self.json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + b64encode(self.bin).decode()
         path.write_text(json.dumps(self.json, indent=1) + "\n")
 
 

@@ -41,7 +41,7 @@ def tree_of_lights(path):
     """Ninety-odd small lights wind up a wire cone in a dark room with a polished floor."""
     g = Gltf()
     rng = np.random.RandomState(3)
-    bulb = g.geometry(octasphere(2))
+    bulb = g.geometry(octasphere(1))
     kinds = []
     for name, colour, power in (("warm", "#ff9f3f", 4.2), ("rose", "#ff3f5c", 3.6), ("sea", "#2fb4d9", 3.2), ("leaf", "#8fd33a", 3.2)):
         light = g.material(name, (0, 0, 0), emission=tuple(round(c * power, 3) for c in srgb(colour)))
@@ -56,7 +56,7 @@ def tree_of_lights(path):
         g.node(name=f"light {i}", mesh=kinds[kind], translation=tuple(spiral(t) * (1.03, 1, 1.03)), scale=(0.052,) * 3)
     star = g.material("star", (0, 0, 0), emission=(5.0, 3.4, 1.3))
     g.node(name="star", mesh=g.mesh("star", (g.geometry(star_shape(0.2, 0.085, 0.06)), star)), translation=(0, 2.93, 0))
-    wire = np.array([spiral(along(s)) for s in np.linspace(0, 1, 420)])
+    wire = np.array([spiral(along(s)) for s in np.linspace(0, 1, 300)])
     g.put("wire", tube(wire, 0.026, 6), g.material("wire", srgb("#4f7a4a"), roughness=0.6))
     g.put("pole", cylinder(0.03, 0, 2.78, 16), g.material("pole", srgb("#6d5a45"), roughness=0.6))
     g.put("stand", cylinder(0.34, 0, 0.1, 48, bevel=0.03), g.material("stand", srgb("#2f4a3c"), roughness=0.4))
@@ -66,7 +66,7 @@ def tree_of_lights(path):
     for name in ("ceiling", "back", "left", "right"):
         g.put(name, room[name], plaster)
     glow = quad((-2.5, 4.9, -2), (2.5, 4.9, -2), (2.5, 4.9, 3), (-2.5, 4.9, 3))
-    g.put("moonlight", glow, g.material("moonlight", (0, 0, 0), emission=(0.8, 0.98, 1.4)))
+    g.put("moonlight", glow, g.material("moonlight", (0, 0, 0), emission=(1.15, 1.35, 1.85)))
     gifts = ((-1.25, 0.55, 0.5, 24, "#b23a48"), (1.2, 0.3, 0.62, -18, "#d8a657"), (0.82, 1.12, 0.36, 35, "#e6dfd2"), (-0.75, 1.2, 0.34, -12, "#3d7068"))
     ribbon = g.material("ribbon", srgb("#efe6d6"), roughness=0.3)
     for k, (x, z, size, turn, colour) in enumerate(gifts):
@@ -115,12 +115,12 @@ def coloured_spots(path):
 
 def knot(radius, thickness, p=2, q=3):
     """A torus knot."""
-    t = np.linspace(0, 2 * np.pi, 241)
+    t = np.linspace(0, 2 * np.pi, 193)
     r = radius * (1 + 0.42 * np.cos(q * t))
     path = np.stack([r * np.cos(p * t), r * np.sin(p * t), radius * 0.62 * np.sin(q * t)], -1)
     tangent = np.gradient(np.vstack([path[-2], path, path[1]]), axis=0)[1:-1]
     across = unit(np.cross(tangent, path * (1, 1, 0.0) + (0, 0, 1e-6)))
     out = unit(np.cross(across, tangent))
-    a = np.linspace(0, 2 * np.pi, 25)
+    a = np.linspace(0, 2 * np.pi, 21)
     ring = out[:, None] * np.cos(a)[None, :, None] + across[:, None] * np.sin(a)[None, :, None]
     return surface(path[:, None] + thickness * ring, ring)

@@ -81,7 +81,7 @@ def product(a, b):
             aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz)
 
 
-def envelope(colour, gores=18, rings=26, sub=3):
+def envelope(colour, gores=18, rings=24, sub=2):
     """A balloon's envelope: gores bulge between their seams; `colour(gore, height 0–1)` paints cell by cell."""
     profile = curve([(0.2, -1.32), (0.34, -1.12), (0.78, -0.55), (1.0, 0.12), (0.86, 0.66), (0.48, 0.96), (0.0, 1.06)], rings + 1)
     profile[-1, 0] = 0.0
@@ -142,7 +142,7 @@ def balloons(path):
     def zigzag(k, t):
         tooth = 2 * min(k % 6, 6 - k % 6)  # 0 … 6 … 0 over six gores
         bands = (navy, teal, cream, gold, cream, teal, navy)
-        return bands[int(np.clip((26 * t + tooth - 5) // 4.0, 0, 6))]
+        return bands[int(np.clip((24 * t + tooth - 5) // 4.0, 0, 6))]
 
     def sunrise(k, t):
         return tuple(mix(np.array(rose), np.array(cream), smoothstep(0.2, 0.75, t))) if k % 3 else gold
@@ -157,7 +157,7 @@ def balloons(path):
     g.save_glb(path)
 
 
-def planet_map(width=1024, height=512):
+def planet_map(width=896, height=448):
     """An antique map of a world that isn't: seas with depth lines, land by noise, graticule."""
     v, u = (np.mgrid[0:height, 0:width] + 0.5) / np.array([height, width]).reshape(2, 1, 1)
     lat, lon = (0.5 - v) * np.pi, u * 2 * np.pi
@@ -191,7 +191,7 @@ def globe(path):
     half = np.radians(tilt) / 2
     axis = g.node(name="axis", translation=(0, 1.62, 0), rotation=(0, 0, np.sin(half), np.cos(half)))
     spin = np.radians(-40) / 2
-    g.node(axis, name="globe", rotation=(0, np.sin(spin), 0, np.cos(spin)), mesh=g.mesh("globe", (g.geometry(sphere(1.0, 48, 96), uv=True), paper)))
+    g.node(axis, name="globe", rotation=(0, np.sin(spin), 0, np.cos(spin)), mesh=g.mesh("globe", (g.geometry(sphere(1.0, 32, 64), uv=True), paper)))
     a = np.radians(np.linspace(-97, 97, 64))
     outward = np.stack([np.cos(a), np.sin(a), 0 * a], -1)[:, None]
     edge = lambda r, z: 1.13 * r * outward + (0, 0, z)
@@ -202,6 +202,6 @@ def globe(path):
     g.node(axis, name="meridian", mesh=g.mesh("meridian", (g.geometry(merge(*faces, *rims, pins)), brass)))
     stem = lathe([curve([(0.3, 0.2), (0.12, 0.28), (0.09, 0.36), (0.15, 0.43), (0.08, 0.5)], 24)], 48)
     g.put("stem", stem, brass)
-    foot = lathe([[(0, 0), (0.78, 0)], [(0.78, 0), (0.78, 0.05)], arc(0.72, 0.05, 0.06, 0, 90, 6), curve([(0.72, 0.11), (0.66, 0.115), (0.5, 0.14), (0.4, 0.2)], 10), [(0.4, 0.2), (0, 0.22)]], 96)
+    foot = lathe([[(0, 0), (0.78, 0)], [(0.78, 0), (0.78, 0.05)], arc(0.72, 0.05, 0.06, 0, 90, 6), curve([(0.72, 0.11), (0.66, 0.115), (0.5, 0.14), (0.4, 0.2)], 10), [(0.4, 0.2), (0, 0.22)]], 64)
     g.put("foot", foot, wood)
     g.save_gltf(path, "desk globe – données", "géométrie.bin")

@@ -7,14 +7,14 @@ class Obj:
     def __init__(self, digits=3):
         self.digits = digits
         self.lines, self.materials = [], []
-        self.seen = {"v": {}, "vn": {}}
+        self.seen = {"v": {}, "vt": {}, "vn": {}}
 
     def material(self, name, **statements):
-        """Statements as in MTL: colours are tuples, the rest numbers."""
+        """Statements as in MTL: colours are tuples, pictures names, the rest numbers."""
         text = [f"newmtl {name}"]
         for key, value in statements.items():
             numbers = value if isinstance(value, tuple) else (value,)
-            text.append(f"{key} " + " ".join(f"{float(v):.4g}" for v in numbers))
+            text.append(f"{key} " + " ".join(v if isinstance(v, str) else f"{float(v):.4g}" for v in numbers))
         self.materials.append("\n".join(text))
 
     def _index(self, kind, row, digits):
@@ -25,12 +25,13 @@ class Obj:
             self.lines.append(f"{kind} {text}")
         return known[text]
 
-    def add(self, name, material, *meshes):
+    def add(self, name, material, *meshes, uv=False):
         """Meshes as one object; pairs of triangles that came from a quadrilateral are written as one."""
         self.lines += [f"o {name}", f"usemtl {material}"]
         for mesh in meshes:
             v = [self._index("v", row, self.digits) for row in mesh.pos]
             n = [self._index("vn", row, 2) for row in mesh.nrm]
+            t = [self._index("vt", (a, 1 - b), 4) for a, b in mesh.uv] if uv else [""] * len(v)
             tri, k = mesh.tri.tolist(), 0
             while k < len(tri):
                 face = tri[k]
@@ -38,7 +39,7 @@ class Obj:
                 if k < len(tri) and (shared := joined(face, tri[k])):
                     face = shared
                     k += 1
-                corners = list(dict.fromkeys(f"{v[i]}//{n[i]}" for i in face))
+                corners = list(dict.fromkeys(f"{v[i]}/{t[i]}/{n[i]}" for i in face))
                 if len({v[i] for i in face}) >= 3:
                     self.lines.append("f " + " ".join(corners))
 

@@ -1,16 +1,16 @@
-"""Still lifes for the studio light: a mended bowl, coloured glass, a stair of metals."""
+"""Still lifes for the studio light: a mended bowl, coloured glass, a stair of metals, frosted dice."""
 import numpy as np
 
 from .gltf import Gltf
 from .pictures import bytes_of, fractal, mix, noise, normal_map, png, smoothstep, srgb
-from .shapes import arc, curve, cylinder, lathe, rounded_box, sphere
+from .shapes import arc, curve, cylinder, lathe, merge, rounded_box, sphere
 
 
 def bowl_profile():
     """Inside from the centre to the rim, over the rim, down the outside to the foot."""
-    inner = curve([(0.0, 0.16), (0.3, 0.18), (0.66, 0.36), (0.9, 0.68), (1.0, 0.98)], 40)[::-1]
+    inner = curve([(0.0, 0.16), (0.3, 0.18), (0.66, 0.36), (0.9, 0.68), (1.0, 0.98)], 28)[::-1]
     rim = arc(1.03, 0.98, 0.03, 0, 180, 7)
-    outer = curve([(0.42, 0.1), (0.74, 0.26), (0.98, 0.62), (1.06, 0.98)], 34)
+    outer = curve([(0.42, 0.1), (0.74, 0.26), (0.98, 0.62), (1.06, 0.98)], 24)
     foot = [np.array([(0.0, 0.04), (0.36, 0.04)]), np.array([(0.36, 0.04), (0.38, 0.0), (0.44, 0.0)]),
             np.array([(0.44, 0.0), (0.42, 0.1)])]
     return [*foot, np.vstack([outer, rim[1:-1], inner])]
@@ -40,7 +40,7 @@ def cracks(p):
 
 def kintsugi(path):
     """A glazed bowl mended with gold: base colour, metallic-roughness and normal textures."""
-    width, height = 1024, 512
+    width, height = 896, 448
     profile = bowl_profile()
     r, y, length = profile_at(profile, height)
     angle = (np.arange(width) + 0.5) / width * 2 * np.pi
@@ -68,14 +68,14 @@ def kintsugi(path):
             "metallicRoughness": g.texture("metal rough", png(np.stack([np.full_like(gold, 255), rough * 255, gold * 255], -1), 96)),
             "normal": g.texture("normal", png(bumps, 200))}
     bowl = g.material("mended glaze", metallic=1.0, maps=maps)
-    g.put("bowl", lathe(profile, 96), bowl, uv=True)
+    g.put("bowl", lathe(profile, 64), bowl, uv=True)
     g.save_glb(path)
 
 
 def vessel(outer, inner):
     """A closed glass body of revolution: up the outside, round the lip, down the inside."""
     lip = np.array([outer[-1], (outer[-1] + inner[0]) / 2 + (0, 0.03), inner[0]])
-    return lathe([np.array([(0, outer[0][1]), outer[0]]), np.vstack([outer, curve(lip, 7)[1:-1], inner])], 72)
+    return lathe([np.array([(0, outer[0][1]), outer[0]]), np.vstack([outer, curve(lip, 7)[1:-1], inner])], 52)
 
 
 def tinted_glass(path):
@@ -86,13 +86,13 @@ def tinted_glass(path):
         return g.material(name, roughness=0.0, transmission={"transmissionFactor": 1.0}, ior={"ior": 1.5}, volume={
             "thicknessFactor": 0.1, "attenuationColor": [round(c, 4) for c in srgb(colour)], "attenuationDistance": distance})
 
-    bottle = vessel(curve([(0.40, 0.0), (0.46, 0.06), (0.47, 0.5), (0.44, 1.0), (0.2, 1.32), (0.13, 1.6), (0.17, 1.86)], 44),
-                    curve([(0.09, 1.86), (0.06, 1.6), (0.12, 1.3), (0.36, 0.97), (0.39, 0.5), (0.37, 0.14), (0.0, 0.1)], 44))
+    bottle = vessel(curve([(0.40, 0.0), (0.46, 0.06), (0.47, 0.5), (0.44, 1.0), (0.2, 1.32), (0.13, 1.6), (0.17, 1.86)], 32),
+                    curve([(0.09, 1.86), (0.06, 1.6), (0.12, 1.3), (0.36, 0.97), (0.39, 0.5), (0.37, 0.14), (0.0, 0.1)], 32))
     stopper = sphere(0.2, 32, 64).scaled(1, 1.1, 1).moved(y=2.1)
-    vase = vessel(curve([(0.3, 0.0), (0.52, 0.2), (0.62, 0.5), (0.5, 0.82), (0.24, 1.02), (0.22, 1.12), (0.36, 1.3)], 44),
-                  curve([(0.29, 1.3), (0.15, 1.1), (0.17, 1.0), (0.42, 0.78), (0.53, 0.5), (0.44, 0.22), (0.0, 0.12)], 44))
-    bowl = vessel(curve([(0.2, 0.0), (0.36, 0.05), (0.52, 0.24), (0.58, 0.5)], 40),
-                  curve([(0.5, 0.5), (0.44, 0.27), (0.3, 0.14), (0.0, 0.1)], 40))
+    vase = vessel(curve([(0.3, 0.0), (0.52, 0.2), (0.62, 0.5), (0.5, 0.82), (0.24, 1.02), (0.22, 1.12), (0.36, 1.3)], 32),
+                  curve([(0.29, 1.3), (0.15, 1.1), (0.17, 1.0), (0.42, 0.78), (0.53, 0.5), (0.44, 0.22), (0.0, 0.12)], 32))
+    bowl = vessel(curve([(0.2, 0.0), (0.36, 0.05), (0.52, 0.24), (0.58, 0.5)], 24),
+                  curve([(0.5, 0.5), (0.44, 0.27), (0.3, 0.14), (0.0, 0.1)], 24))
     g.put("bottle", bottle, glass("amber", "#e8912a", 0.09), translation=(-0.52, 0.0, -0.35))
     g.put("stopper", stopper, glass("amber, solid", "#e8912a", 0.3), translation=(-0.52, 0.0, -0.35))
     g.put("vase", vase, glass("petrol", "#2aa6a0", 0.09), translation=(0.68, 0.0, -0.2))
@@ -104,7 +104,7 @@ def tinted_glass(path):
 def metal_stairs(path):
     """Four materials by six roughnesses; all spheres share one geometry, all cups and steps one mesh each."""
     g = Gltf()
-    ball, step = g.geometry(sphere(0.46, 32, 64)), g.geometry(rounded_box(6.5, 0.66, 1.1, 0.05))
+    ball, step = g.geometry(sphere(0.46, 28, 56)), g.geometry(rounded_box(6.5, 0.66, 1.1, 0.05))
     cup = g.geometry(lathe([[(0, 0), (0.3, 0)], curve([(0.3, 0), (0.31, 0.04), (0.24, 0.09)], 8), [(0.24, 0.09), (0.0, 0.09)]], 48))
     stone = g.mesh("step", (step, g.material("limestone", srgb("#cfc9bf"), roughness=0.8)))
     brass = g.mesh("cup", (cup, g.material("dark steel", srgb("#55585e"), metallic=1.0, roughness=0.4)))
@@ -121,3 +121,33 @@ def metal_stairs(path):
             g.node(name=f"{name} {i}", mesh=g.mesh(f"{name} {i}", (ball, m)), translation=(x, y + 0.51, z))
     g.camera((2.2, 5.0, 11.0), (0.0, 1.0, -1.45), 33)
     g.save_glb(path)
+
+
+PIPS = {1: [(0, 0)], 2: [(-1, -1), (1, 1)], 3: [(-1, -1), (0, 0), (1, 1)], 4: [(-1, -1), (-1, 1), (1, -1), (1, 1)],
+        5: [(-1, -1), (-1, 1), (0, 0), (1, -1), (1, 1)], 6: [(-1, -1), (-1, 0), (-1, 1), (1, -1), (1, 0), (1, 1)]}
+
+
+def frosted_dice(path):
+    """Rough transmission with absorption; a .gltf whose buffer is a data: URI. One die, placed three times."""
+    g = Gltf()
+    body = g.geometry(rounded_box(1, 1, 1, 0.16, 5))
+    disc = lathe([[(0, 0.501), (0.088, 0.501)], [(0.088, 0.501), (0.088, 0.51)], [(0.088, 0.51), (0, 0.51)]], 16)
+    turns = {1: (), 6: ((180, "x"),), 2: ((90, "x"),), 5: ((-90, "x"),), 3: ((90, "z"),), 4: ((-90, "z"),)}
+    pips = []
+    for number, spots in PIPS.items():
+        for x, z in spots:
+            pip = disc.moved(0.24 * x, 0, 0.24 * z)
+            for degrees, axis in turns[number]:
+                pip = pip.turned(degrees, axis)
+            pips.append(pip)
+    dots = g.mesh("pips", (g.geometry(merge(*pips)), g.material("ivory", srgb("#fbf6ea"), roughness=0.5)))
+    about_y = lambda degrees: (0, np.sin(np.radians(degrees / 2)), 0, np.cos(np.radians(degrees / 2)))
+    for name, colour, distance, place, turn in (("ruby", "#e8405a", 0.6, (-0.62, 0.5, 0.05), 24), ("sapphire", "#4f95f0", 0.62, (0.66, 0.5, 0.0), -20),
+                                                ("amber", "#f5b03a", 0.55, (-0.02, 1.512, 0.02), 52)):
+        acrylic = g.material(name, roughness=0.22, transmission={"transmissionFactor": 1.0}, ior={"ior": 1.49}, volume={
+            "thicknessFactor": 1.0, "attenuationColor": [round(c, 4) for c in srgb(colour)], "attenuationDistance": distance})
+        die = g.node(name=f"{name} die", translation=place, rotation=about_y(turn))
+        g.node(die, name=name, mesh=g.mesh(name, (body, acrylic)))
+        g.node(die, name=f"{name} pips", mesh=dots)
+    g.put("slate", cylinder(1.55, -0.12, -0.013, 96, bevel=0.04), g.material("slate", srgb("#5d6468"), roughness=0.7))
+    g.save_embedded(path)
