@@ -49,6 +49,55 @@ fn grains_of_leaf(count: usize) -> usize {
     (count / BLOCK) * grains_of(BLOCK) + grains_of(count % BLOCK)
 }
 
+/// The order in which leaves lie in the store.
+#[derive(Debug, Default)]
+pub struct Layout {
+    /// Leaves by their numbers.
+    pub order: Vec<u32>,
+    /// Grains that they fill.
+    pub grains: u32,
+}
+
+/// Leaves above which the store is filled in parallel.
+const FORK_ABOVE: usize = 1024;
+
+/// What the store is filled from.
+struct Filler<'a, T> {
+    built: &'a Built,
+    leaves: &'a [Leaf],
+    /// Where each leaf's references begin in the list of all.
+    begins: &'a [usize],
+    triangles: &'a T,
+}
+
+impl<T: Triangles> Filler<'_, T> {
+    /// Fills `words`, which begin at a grain, with leaves that lie next to each other.
+    fn fill(&self, words: &mut [u32], grain: u32, order: &[u32]) {
+        if order.len() > FORK_ABOVE {
+            let (first, second) = order.split_at(order.len() / 2);
+            // A large leaf's count lies before it: the cut is behind the last leaf of the first half.
+            let last = self.leaves[first[first.len() - 1] as usize];
+            let middle = last.first + grains_of_leaf(last.count as usize) as u32;
+            let (left, right) = words.split_at_mut((middle - grain) as usize * GRAIN);
+            rayon::join(|| self.fill(left, grain, first), || self.fill(right, middle, second));
+            return;
+        }
+        for &number in order {
+            let leaf = self.leaves[number as usize];
+            let begin = self.begins[number as usize];
+            let ids = &self.built.triangles[begin..begin + leaf.count as usize];
+            let mut at = (leaf.first - grain) as usize * GRAIN;
+            if ids.len() > BLOCK {
+                words[at - GRAIN] = leaf.count;
+            }
+            for block in ids.chunks(BLOCK) {
+                fill(&mut words[at..at + block.len() * ARRAYS], block, self.triangles);
+                at += grains_of(block.len()) * GRAIN;
+            }
+        }
+    }
+}
+
 /// Deals out places for leaves.
 #[derive(Debug, Default)]
 pub struct Planner {
@@ -70,23 +119,17 @@ impl Planner {
 }
 
 impl LeafStore {
-    /// Fills the leaves of a built tree, which lie at `leaves` (in their order) within so many grains.
-    pub fn new<T: Triangles>(built: &Built, leaves: &[Leaf], grains: u32, triangles: &T) -> Self {
-        let mut store = AlignedWords::zeroed(grains as usize * GRAIN + SLACK);
-        let words = store.as_mut_slice();
-        let mut ids = built.triangles.as_slice();
-        for leaf in leaves {
-            let (mine, rest) = ids.split_at(leaf.count as usize);
-            ids = rest;
-            let mut at = leaf.first as usize * GRAIN;
-            if mine.len() > BLOCK {
-                words[at - GRAIN] = leaf.count;
-            }
-            for block in mine.chunks(BLOCK) {
-                fill(&mut words[at..at + block.len() * ARRAYS], block, triangles);
-                at += grains_of(block.len()) * GRAIN;
-            }
-        }
+    /// Fills the leaves of a built tree, which lie at `leaves` (in their order).
+    pub fn new<T: Triangles>(built: &Built, leaves: &[Leaf], layout: &Layout, triangles: &T) -> Self {
+        let mut store = AlignedWords::zeroed(layout.grains as usize * GRAIN + SLACK);
+        let begin = |sum: &mut usize, leaf: &Leaf| {
+            let mine = *sum;
+            *sum += leaf.count as usize;
+            Some(mine)
+        };
+        let begins: Vec<usize> = leaves.iter().scan(0, begin).collect();
+        let filler = Filler { built, leaves, begins: &begins, triangles };
+        filler.fill(store.as_mut_slice(), 0, &layout.order);
         Self { words: store }
     }
 

@@ -2,7 +2,7 @@
 
 use super::super::aligned::settle;
 use super::super::build::{Built, BuiltKind};
-use super::super::leaves::{Leaf, Planner};
+use super::super::leaves::{Layout, Leaf, Planner};
 use super::node::{Child, WIDTH, WideNode};
 
 /// The wide nodes, and where each leaf of the binary tree (in its order) is to lie.
@@ -11,8 +11,8 @@ pub struct Collapsed {
     pub nodes: Vec<WideNode>,
     /// Places for the leaves; those of one node lie together.
     pub leaves: Vec<Leaf>,
-    /// Grains that the leaves fill.
-    pub grains: u32,
+    /// The order in which they lie there.
+    pub layout: Layout,
 }
 
 /// A part of a treelet: a plane with its two sides, a child that stays, or nothing.
@@ -84,6 +84,7 @@ pub fn collapse(built: &Built) -> Collapsed {
     let mut planner = Planner::default();
     let mut leaves = vec![Leaf { first: 0, count: 0 }; built.leaf_count()];
     let leaf_numbers = built.leaf_numbers();
+    let mut order = Vec::with_capacity(leaves.len());
     let mut nodes = Vec::new();
     // Nodes to be made: place among the nodes, and the binary cell.
     let mut tasks = Vec::new();
@@ -112,6 +113,7 @@ pub fn collapse(built: &Built) -> Collapsed {
                 BuiltKind::Leaf { count } => {
                     let leaf = planner.place(count);
                     leaves[leaf_numbers[cell] as usize] = leaf;
+                    order.push(leaf_numbers[cell]);
                     let offset = leaf.first - node.leaf_base;
                     if count as usize <= WIDTH { Child::Leaf(offset, count as usize) } else { Child::Large(offset) }
                 }
@@ -136,5 +138,5 @@ pub fn collapse(built: &Built) -> Collapsed {
         }
         nodes[place] = node;
     }
-    Collapsed { nodes: settle(&nodes), leaves, grains: planner.next() }
+    Collapsed { nodes: settle(&nodes), leaves, layout: Layout { order, grains: planner.next() } }
 }
