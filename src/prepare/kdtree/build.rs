@@ -243,11 +243,6 @@ impl Built {
 }
 
 impl Built {
-    /// Leaves.
-    pub fn leaf_count(&self) -> usize {
-        self.cells.len().div_ceil(2)
-    }
-
     /// For each cell that is a leaf, its number among the leaves.
     pub fn leaf_numbers(&self) -> Vec<u32> {
         let number = |next: &mut u32, cell: &BuiltCell| {

@@ -6,6 +6,7 @@
 
 mod aligned;
 mod binary;
+mod block;
 mod bounds;
 mod build;
 mod clip;
@@ -93,9 +94,11 @@ impl KdTree {
         let begin = Instant::now();
         let built = build::build(triangles, options, control)?;
         control.check()?;
-        let wide::collapse::Collapsed { nodes: wide, leaves: places, layout } = wide::collapse::collapse(&built);
+        let contents = leaves::Contents::new(&built, triangles);
+        let wide::collapse::Collapsed { nodes: wide, leaves: places, planner } =
+            wide::collapse::collapse(&built, &contents.pools);
         control.check()?;
-        let leaves = leaves::LeafStore::new(&built, &places, &layout, triangles);
+        let leaves = leaves::LeafStore::new(&contents, &places, &planner, triangles);
         let nodes = binary::compile(&built, &places);
         let bounds = built.cells.first().map_or(Bounds::EMPTY, |root| root.bounds);
         let kernel = wide::AnyKernel::new(options.simd);
