@@ -3,7 +3,7 @@ import numpy as np
 
 from .obj import Obj
 from .pictures import bytes_of, mix, png, smoothstep, srgb
-from .shapes import arc, curve, cylinder, lathe, rounded_box, sphere, torus, tube
+from .shapes import arc, curve, cylinder, lathe, quad, rounded_box, sphere, torus, tube
 
 
 def base_run(r, y0=0.0):
@@ -84,7 +84,7 @@ def reading_corner(path):
     o.material("brass", Kd=(0.85, 0.62, 0.32), Pr=0.3, Pm=1)
     o.material("shade", Kd=srgb("#f3dfb6"), Ke=(9.0, 6.0, 3.0))
     o.material("lantern", Kd=(0, 0, 0), Ke=(36.0, 28.5, 19.0))
-    o.material("window", Kd=(0, 0, 0), Ke=(10.0, 12.0, 14.5))
+    o.material("window", Kd=(0, 0, 0), Ke=(7.5, 9.0, 11.0))
     s, h, t = 1.7, 2.7, 0.07  # half the room, its height, the walls' thickness
     box = lambda sx, sy, sz, x, y, z, r=0.0: rounded_box(sx, sy, sz, r, 2).moved(x, y, z)
     o.add("floor", "floor", *[box(2 * s / 10 - 0.008, 0.1, 2 * s, -s + (k + 0.5) * 2 * s / 10, -0.05, 0) for k in range(10)])
@@ -96,7 +96,7 @@ def reading_corner(path):
     o.add("shell", "wall_edge", box(2 * s + t, h + 0.22, t - 0.02, -t / 2, h / 2 - 0.11, -s - 0.02 - (t - 0.02) / 2),
           box(t - 0.02, h + 0.22, 2 * s + t, -s - 0.02 - (t - 0.02) / 2, h / 2 - 0.11, -t / 2))
     o.add("skirting", "skirting", box(2 * s, 0.12, 0.025, 0, 0.06, -s + 0.0125, 0.008), box(0.025, 0.12, 2 * s, -s + 0.0125, 0.06, 0, 0.008))
-    o.add("window", "window", box(0.004, y1 - y0, z1 - z0, -s - 0.012, (y0 + y1) / 2, (z0 + z1) / 2))
+    o.add("window", "window", quad((-s - 0.01, y0, z1), (-s - 0.01, y0, z0), (-s - 0.01, y1, z0), (-s - 0.01, y1, z1)))
     bars = [box(0.05, 0.06, z1 - z0 + 0.1, -s + 0.01, y, (z0 + z1) / 2) for y in (y0, y1)]
     bars += [box(0.05, y1 - y0 + 0.06, 0.06, -s + 0.01, (y0 + y1) / 2, z) for z in (z0, z1)]
     bars += [box(0.03, 0.035, z1 - z0, -s + 0.004, y0 + 0.62 * (y1 - y0), (z0 + z1) / 2), box(0.03, y1 - y0, 0.035, -s + 0.004, (y0 + y1) / 2, (z0 + z1) / 2)]
@@ -116,7 +116,7 @@ def reading_corner(path):
     inner = lathe([[(0.177, 1.858), (0.267, 1.502)]], 48)
     o.add("lamp_shade", "shade", shade.moved(*lamp), inner.moved(*lamp))
     hook = curve([(0.5, 2.3, -s), (0.5, 2.62, -s + 0.12), (0.5, 2.66, -0.6), (0.5, 2.6, 0.25)], 24)
-    o.add("lantern_arm", "brass", tube(hook, 0.014, 8), tube([(0.5, 2.6, 0.25), (0.5, 2.3, 0.25)], 0.005, 6))
+    o.add("lantern_arm", "brass", tube(hook, 0.014, 8), tube([(0.5, 2.6, 0.25), (0.5, 2.3, 0.25)], 0.009, 6))
     o.add("lantern", "lantern", sphere(0.24, 10, 20).scaled(1, 0.9, 1).moved(0.5, 2.09, 0.25))
     table = (0.98, 0.0, -0.42)
     o.add("side_table", "wood", cylinder(0.27, 0.46, 0.49, 32).moved(*table), cylinder(0.025, 0.02, 0.46, 8).moved(*table), cylinder(0.17, 0.0, 0.025, 24).moved(*table))

@@ -115,13 +115,13 @@ def basket(colour):
     return merge(*parts)
 
 
-def cloud(seed, count=9):
+def cloud(seed, count=7):
     """A heap of balls, its underside a little rosy."""
     rng = np.random.RandomState(seed)
     balls = []
     for k in range(count):
         f = (k + 0.5) / count * 2 - 1
-        r = 0.42 * (1 - 0.6 * f * f) + rng.uniform(-0.05, 0.06)
+        r = 0.45 * (1 - 0.6 * f * f) + rng.uniform(-0.05, 0.06)
         balls.append(octasphere(3).scaled(r).moved(f * 1.05, 0.5 * r + rng.uniform(-0.04, 0.12), rng.uniform(-0.22, 0.22)))
     whole = merge(*balls)
     y = (whole.pos[:, 1] - whole.pos[:, 1].min()) / np.ptp(whole.pos[:, 1])
@@ -165,7 +165,7 @@ def planet_map(width=896, height=448):
     warp = np.stack([fractal(p * 2.2 + 7 * k, 3, 50 + k) - 0.5 for k in range(3)], -1)
     h = fractal(p * 1.55 + 0.9 * warp + 4.2, 6, 31) - 0.50
     coast = smoothstep(-0.002, 0.002, h)
-    sea = mix(bytes_of("#3f7f8c"), bytes_of("#86b5ae"), smoothstep(-0.07, 0.0, h)[..., None])
+    sea = mix(bytes_of("#4a8894"), bytes_of("#7fb0ab"), smoothstep(-0.07, 0.0, h)[..., None])
     lines = (np.abs((h * 60) % 1 - 0.5) < 0.1) & (h < 0) & (h > -0.06)
     sea = mix(sea, bytes_of("#e4e8d8"), (0.45 * lines)[..., None])
     dry = fractal(p * 4 + 9, 4, 40)
@@ -173,10 +173,10 @@ def planet_map(width=896, height=448):
     land = mix(land, bytes_of("#b98550"), smoothstep(0.05, 0.13, h)[..., None])
     land = mix(land, bytes_of("#f7f2e4"), smoothstep(1.36, 1.4, np.abs(lat) + 0.25 * dry)[..., None])
     colour = mix(sea, land, coast[..., None])
-    colour = mix(colour, bytes_of("#5b4630"), (0.85 * smoothstep(0.006, 0.003, np.abs(h)))[..., None])
+    colour = mix(colour, bytes_of("#5b4630"), (0.9 * smoothstep(0.009, 0.005, np.abs(h)))[..., None])
     degrees = lambda a, step: np.abs((np.degrees(a) / step + 0.5) % 1 - 0.5) * step
     thin = (degrees(lat, 15) < 0.16) | (degrees(lon, 15) < 0.16 / np.maximum(np.cos(lat), 0.1))
-    colour = mix(colour, bytes_of("#6b5538"), (0.35 * (thin & (np.abs(np.degrees(lat)) < 76)))[..., None])
+    colour = mix(colour, bytes_of("#6b5538"), (0.45 * (thin & (np.abs(np.degrees(lat)) < 76)))[..., None])
     equator = np.abs(np.degrees(lat)) < 0.5
     return png(mix(colour, bytes_of("#a03d2c"), (0.9 * equator)[..., None]), 128)
 

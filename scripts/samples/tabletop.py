@@ -75,7 +75,7 @@ def kintsugi(path):
 def vessel(outer, inner):
     """A closed glass body of revolution: up the outside, round the lip, down the inside."""
     lip = np.array([outer[-1], (outer[-1] + inner[0]) / 2 + (0, 0.03), inner[0]])
-    return lathe([np.array([(0, outer[0][1]), outer[0]]), np.vstack([outer, curve(lip, 7)[1:-1], inner])], 52)
+    return lathe([np.array([(0, outer[0][1]), outer[0]]), np.vstack([outer, curve(lip, 7)[1:-1], inner])], 48)
 
 
 def tinted_glass(path):
