@@ -84,17 +84,18 @@ impl Lights {
     ) -> Self {
         // The frame puts the scene's centre at the origin and its extent below 2.
         let (center, radius) = (Vec3::ZERO, 1.0f32);
+        // Double precision: the squares of very large and very small worlds leave the range of f32.
+        let world2 = (1.0 / frame.scale()) * (1.0 / frame.scale());
         let mut powers: Vec<f64> = Vec::new();
         let mut lights = Self { environment, ..Self::default() };
         for light in &scene.lights {
             let light = PunctualLight::new(light, frame, settings);
             let power = light.power(center, radius);
             if power > 0.0 {
-                powers.push(f64::from(power));
+                powers.push(power);
                 lights.punctual.push(light);
             }
         }
-        let world = (1.0 / frame.scale()) as f32;
         let sources: Vec<_> = scene.materials.iter().map(|m| emission::Source::new(scene, m)).collect();
         let mut last_part = None;
         lights.first_of_part = vec![None; geometry.parts.len()];
@@ -107,11 +108,11 @@ impl Lights {
             }
             let sides = if source.two_sided { 2.0 } else { 1.0 };
             let radiance = source.mean_radiance(scene, geometry, triangle);
-            powers.push(f64::from(PI * sides * area(geometry, triangle) * world * world * radiance));
+            powers.push(std::f64::consts::PI * sides * area(geometry, triangle) * world2 * f64::from(radiance));
             lights.triangles.push(triangle);
         }
         if let Some(environment) = &lights.environment {
-            powers.push(f64::from(4.0 * PI * PI * radius * radius * world * world * luminance(environment.mean())));
+            powers.push(f64::from(4.0 * PI * PI * radius * radius * luminance(environment.mean())) * world2);
         }
         let total: f64 = powers.iter().sum();
         let floor = UNIFORM_SHARE * total / powers.len().max(1) as f64;
@@ -209,8 +210,8 @@ impl Lights {
     }
 }
 
-fn area(geometry: &Geometry, triangle: u32) -> f32 {
-    (0.5 * geometry.front_normal(triangle).length()) as f32
+fn area(geometry: &Geometry, triangle: u32) -> f64 {
+    0.5 * geometry.front_normal(triangle).length()
 }
 
 /// Direction, radiance, solid angle density and place of a uniformly chosen point on a triangle.
