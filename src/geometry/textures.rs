@@ -42,6 +42,10 @@ fn texel(image: &Image, space: ColorSpace, x: u32, y: u32) -> Vec4 {
 
 fn wrap(index: i64, size: u32, mode: Wrap) -> u32 {
     let n = i64::from(size);
+    // Nearly always, and without a division.
+    if (0..n).contains(&index) {
+        return index as u32;
+    }
     let wrapped = match mode {
         Wrap::Repeat => index.rem_euclid(n),
         Wrap::Clamp => index.clamp(0, n - 1),

@@ -195,6 +195,7 @@ fn emission_weight(
 
 fn environment(prepared: &PreparedScene, settings: &RenderSettings, reach: LightReach, sent: &Sent, dir: Vec3) -> Vec3 {
     let Some(environment) = &prepared.lights.environment else { return Vec3::ZERO };
-    let weight = found_weight(settings, sent, || prepared.lights.pdf_environment(dir, reach));
-    if weight == 0.0 { Vec3::ZERO } else { environment.radiance(dir) * weight }
+    let uv = environment.locate(dir);
+    let weight = found_weight(settings, sent, || prepared.lights.pdf_environment(uv, reach));
+    if weight == 0.0 { Vec3::ZERO } else { environment.radiance_at(uv) * weight }
 }

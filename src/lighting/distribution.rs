@@ -5,10 +5,15 @@
 pub struct Discrete {
     /// `cumulative[i]` is the sum of the first `i` weights.
     cumulative: Vec<f64>,
+    /// `guide[k]` is the first item whose share ends beyond k / count of the total, so that a search has few items to
+    /// look at (Chen & Asau 1974, "On Generating Random Variates from an Empirical Distribution").
+    guide: Vec<u32>,
+    /// Entries of the guide per unit of weight.
+    guides_per_weight: f64,
 }
 
 impl Discrete {
-    /// From weights ≥ 0.
+    /// From weights ≥ 0, fewer than 2³².
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Self {
         let mut cumulative = vec![0.0];
         let mut sum = 0.0;
@@ -16,7 +21,30 @@ impl Discrete {
             sum += w;
             cumulative.push(sum);
         }
-        Self { cumulative }
+        let count = cumulative.len() - 1;
+        let mut item = 0;
+        let entry = |k: usize| {
+            let x = sum * (k as f64 / count as f64);
+            while item < count && cumulative[item + 1] <= x {
+                item += 1;
+            }
+            item as u32
+        };
+        let guides_per_weight = count as f64 / sum;
+        // Without a guide where all weights are zero, or their sum is at the end of what numbers can say.
+        let guide = if guides_per_weight.is_normal() { (0..count).map(entry).collect() } else { Vec::new() };
+        Self { cumulative, guide, guides_per_weight }
+    }
+
+    /// The first item of the first `count` whose share ends beyond `x`, or the last.
+    fn find(&self, x: f64, count: usize) -> usize {
+        // One entry to each side covers the rounding of the place.
+        let place = ((x * self.guides_per_weight) as usize).min(self.guide.len());
+        let at = |k: usize| self.guide.get(k).map_or(count, |item| (*item as usize).min(count));
+        let first = if self.guide.is_empty() { 0 } else { at(place.saturating_sub(1)) };
+        let end = at(place + 2);
+        let shares = &self.cumulative[1 + first..=end];
+        (first + shares.partition_point(|c| *c <= x)).min(count - 1)
     }
 
     /// Items.
@@ -43,7 +71,7 @@ impl Discrete {
             return None;
         }
         let x = f64::from(u) * total;
-        let mut i = self.cumulative[1..=count].partition_point(|c| *c <= x).min(count - 1);
+        let mut i = self.find(x, count);
         // Rounding can end on an item of weight zero at the very end.
         while i > 0 && self.cumulative[i + 1] == self.cumulative[i] {
             i -= 1;
@@ -115,6 +143,36 @@ mod tests {
         assert_eq!(d.sample(0.9, 3).unwrap().0, 1);
         assert!(d.sample(0.5, 1).is_none());
         assert_eq!(d.probability(3, 5), 0.75);
+    }
+
+    /// The guided search finds what a search through all items finds, whatever the weights and the prefix.
+    #[test]
+    fn the_guide_changes_nothing() {
+        for n in 1..60u32 {
+            for style in 0..5 {
+                let weight = |i: u32| match style {
+                    0 => 1.0,
+                    1 => libm::exp2(-f64::from(i)),
+                    2 => f64::from((i * 71 + n).wrapping_mul(2_654_435_761) >> 29),
+                    3 => f64::from(u32::from(i % 7 == 3)) * 1e30,
+                    _ => f64::from(i) * 1e-322,
+                };
+                let d = Discrete::new((0..n).map(weight));
+                for count in [1, n as usize / 2, n as usize].into_iter().filter(|c| *c > 0) {
+                    let total = d.cumulative[count];
+                    for k in 0..200 {
+                        let x = total * f64::from(k) / 200.0;
+                        let all = d.cumulative[1..=count].partition_point(|c| *c <= x).min(count - 1);
+                        assert_eq!(d.find(x, count), all, "{n} items, style {style}, first {count}, x {x}");
+                    }
+                    for i in 0..count {
+                        let x = d.cumulative[i];
+                        let all = d.cumulative[1..=count].partition_point(|c| *c <= x).min(count - 1);
+                        assert_eq!(d.find(x, count), all, "{n} items, style {style}, first {count}, edge {i}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -202,11 +202,11 @@ impl Lights {
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
-    /// The solid angle density with which [`Lights::sample`] makes `direction` to the environment.
-    pub fn pdf_environment(&self, direction: Vec3, reach: LightReach) -> f32 {
+    /// The solid angle density with which [`Lights::sample`] makes the direction to a place of the environment's picture.
+    pub fn pdf_environment(&self, uv: [f32; 2], reach: LightReach) -> f32 {
         let Some(environment) = &self.environment else { return 0.0 };
         let (count, all) = (self.reach(reach), self.choice.count());
-        if count < all { 0.0 } else { environment.pdf(direction) * self.choice.probability(all - 1, count) }
+        if count < all { 0.0 } else { environment.pdf_at(uv) * self.choice.probability(all - 1, count) }
     }
 }
 
