@@ -6,11 +6,11 @@
 //! f64. So there is a point q of the true triangle with `|q_i − (o_i + t·d_i)| ≤ 8u·t·|d_i| + 7u·D`: an error relative
 //! to the way along *that axis*, plus one relative to the triangle's size.
 //!
-//! The second part is in the boxes: references hold the triangle thickened by more than 7u·D (see `clip`), in every cell
-//! that it touches. The first part is here: distances to planes are taken shorter or longer by [`RELATIVE_ERROR`], which
+//! The second part is in the boxes: that of a leaf holds what its cell sees of each triangle, widened by more than 7u·D
+//! (see `clip`), and those above hold those below; or, in the traversal by planes, it is added to the planes. The first part is here: distances to planes are taken shorter or longer by [`RELATIVE_ERROR`], which
 //! covers 8u and the roundings of the slab test that are relative to the distance. The distance to a plane p is
-//! `p·(1/d) − o·(1/d)`, whose other roundings are relative to `o·(1/d)`: they are in the second term. Hence, for the cell that holds the point x between
-//! q and o + t·d, `enter ≤ t ≤ leave` on every axis and at every ancestor; a traversal that skips only boxes with
+//! `p·(1/d) − o·(1/d)`, whose other roundings are relative to `o·(1/d)`: they are in the second term. Hence, for the cell that holds the point q,
+//! `enter ≤ t ≤ leave` on every axis and at every ancestor; a traversal that skips only boxes with
 //! `enter > nearest hit` or `enter > leave` finds what brute force finds.
 
 use crate::math::Ray;
@@ -94,12 +94,13 @@ impl SlabRay {
         (f64::from(t) * self.scale) as f32 + f32::MIN_POSITIVE
     }
 
-    /// With cells in the order in which the ray passes them: when one is entered beyond this, all later ones are entered
-    /// beyond `limit`. The margin covers cells that the ray only passes by, counted in for safety. Infinite for a ray that
-    /// is parallel to an axis: it may run within a plane between two cells, where there is no order.
-    #[inline(always)]
-    pub fn stop(&self, limit: f32) -> f32 {
-        limit * self.stop_factor + self.stop_add
+    /// With cells in the order in which the ray passes them: the factor and the term that make of the limit a distance such
+    /// that, when a box is entered beyond it, all later ones are entered beyond the limit. The margin covers rounding, boxes
+    /// that the ray only seems to meet, and boxes that reach into each other by twice `thickness`. Infinite for a ray that is
+    /// parallel to an axis: it may run within a plane between two cells, where there is no order.
+    pub fn stop(&self, thickness: f32) -> (f32, f32) {
+        let steepest = self.leave_inv.iter().fold(0.0f32, |most, inv| most.max(inv.abs()));
+        (self.stop_factor, self.stop_add + 4.0 * thickness * steepest)
     }
 
     /// The scaled distance at which a plane is reached at the earliest.

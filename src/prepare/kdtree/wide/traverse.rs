@@ -39,6 +39,7 @@ pub fn nearest<const ANY: bool, K: Kernel>(
     let prepared = kernel.prepare(&slab);
     let octant = octant(&slab);
     let mut stack = Stack::new();
+    let (stop_factor, stop_add) = slab.stop(tree.thickness);
     let mut node = tree.nodes.first()?;
     loop {
         // The children's words come last in the node and are needed last: have them fetched meanwhile.
@@ -85,7 +86,7 @@ pub fn nearest<const ANY: bool, K: Kernel>(
                 stack.pop();
             }
             if enter > walk.limit {
-                if enter > walk.slab.stop(walk.limit) {
+                if enter > walk.limit * stop_factor + stop_add {
                     return walk.nearest.hit;
                 }
                 next = None;
