@@ -27,6 +27,9 @@ const HUGE: f32 = 1e25;
 /// Beyond any distance, and beyond `HUGE` times the way across that a parallel ray may make within a scene.
 const FAR: f32 = 2e14;
 
+/// Makes the shortest of directions normal numbers.
+const DENORMAL_SCALE: f32 = 16_777_216.0;
+
 /// A ray as the slab test wants it. Its distances are scaled by a power of two so that the direction's largest
 /// component lies in [1, 2); that keeps all of them in f32's range whatever the length of the direction.
 #[derive(Clone, Copy, Debug)]
@@ -44,17 +47,21 @@ pub struct SlabRay {
     /// See [`SlabRay::stop`].
     stop_factor: f32,
     stop_add: f32,
-    scale: f64,
+    scale: f32,
 }
 
 impl SlabRay {
     /// Prepares a ray.
+    #[inline]
     pub fn new(ray: &Ray) -> Self {
-        let largest = f64::from(ray.dir.abs().max_element());
-        // The exponent of a positive normal f64, which every f32 but zero is.
-        let exponent = (largest.to_bits() >> 52) as i64 - 1023;
-        let power = |e: i64| f64::from_bits(((e + 1023) as u64) << 52);
-        let (shrink, scale) = (power(-exponent), power(exponent));
+        let (mut dir, mut longer) = (ray.dir, 1.0);
+        if dir.abs().max_element() < f32::MIN_POSITIVE {
+            (dir, longer) = (dir * DENORMAL_SCALE, DENORMAL_SCALE);
+        }
+        // Powers of two by their exponents: products with them are exact.
+        let exponent = (dir.abs().max_element().to_bits() >> 23) & 0xff;
+        let scale = f32::from_bits(exponent << 23);
+        let shrink = if exponent < 254 { f32::from_bits((254 - exponent) << 23) } else { 0.5 * f32::MIN_POSITIVE };
         let mut slab = Self {
             enter_inv: [HUGE; 3],
             enter_add: [0.0; 3],
@@ -63,10 +70,10 @@ impl SlabRay {
             negative: [false; 3],
             stop_factor: 1.0 + 8.0 * RELATIVE_ERROR,
             stop_add: 0.0,
-            scale,
+            scale: scale / longer,
         };
         for axis in 0..3 {
-            let d = (f64::from(ray.dir[axis]) * shrink) as f32;
+            let d = dir[axis] * shrink;
             let origin = ray.origin[axis];
             let mut slack = 0.0;
             if d.abs() >= PARALLEL {
@@ -91,7 +98,7 @@ impl SlabRay {
     /// A distance on the ray as a scaled distance, never too small.
     #[inline(always)]
     pub fn scaled(&self, t: f32) -> f32 {
-        (f64::from(t) * self.scale) as f32 + f32::MIN_POSITIVE
+        t * self.scale + f32::MIN_POSITIVE
     }
 
     /// With cells in the order in which the ray passes them: the factor and the term that make of the limit a distance such
