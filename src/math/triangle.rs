@@ -28,7 +28,7 @@ pub struct ShearedRay {
 
 impl ShearedRay {
     /// Prepares a ray.
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.dir.to_array();
         let a = ray.dir.abs();

@@ -89,8 +89,8 @@ pub fn nearest(tree: Tree, ray: &Ray, any: bool, mut accept: impl FnMut(&Hit) ->
         while enter <= leave && enter <= limit {
             match tree.nodes[at].view() {
                 View::Split(plane, right) => {
-                    let (near, far) = if slab.negative[plane.axis] { (right, at + 1) } else { (at + 1, right) };
-                    let margin = if slab.negative[plane.axis] { tree.thickness } else { -tree.thickness };
+                    let (near, far) = if slab.is_negative(plane.axis) { (right, at + 1) } else { (at + 1, right) };
+                    let margin = if slab.is_negative(plane.axis) { tree.thickness } else { -tree.thickness };
                     let far_enter = slab.enter(plane.axis, plane.at + margin).max(enter);
                     let near_leave = slab.leave(plane.axis, plane.at - margin).min(leave);
                     if enter > near_leave {

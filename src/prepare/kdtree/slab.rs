@@ -42,8 +42,8 @@ pub struct SlabRay {
     pub leave_inv: [f32; 3],
     /// What is added to the product with the plane: minus the origin's, a little too large.
     pub leave_add: [f32; 3],
-    /// Whether the direction is negative, an axis each: then boxes are entered at their upper end.
-    pub negative: [bool; 3],
+    /// On which axes the direction is negative, a bit each from x: there, boxes are entered at their upper end.
+    pub octant: usize,
     /// See [`SlabRay::stop`].
     stop_factor: f32,
     stop_add: f32,
@@ -52,7 +52,7 @@ pub struct SlabRay {
 
 impl SlabRay {
     /// Prepares a ray.
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let (mut dir, mut longer) = (ray.dir, 1.0);
         if dir.abs().max_element() < f32::MIN_POSITIVE {
@@ -67,7 +67,7 @@ impl SlabRay {
             enter_add: [0.0; 3],
             leave_inv: [HUGE; 3],
             leave_add: [0.0; 3],
-            negative: [false; 3],
+            octant: 0,
             stop_factor: 1.0 + 8.0 * RELATIVE_ERROR,
             stop_add: 0.0,
             scale: scale / longer,
@@ -78,7 +78,7 @@ impl SlabRay {
             let mut slack = 0.0;
             if d.abs() >= PARALLEL {
                 let inv = 1.0 / d;
-                slab.negative[axis] = d < 0.0;
+                slab.octant |= usize::from(d < 0.0) << axis;
                 slab.enter_inv[axis] = inv * (1.0 - RELATIVE_ERROR);
                 slab.leave_inv[axis] = inv * (1.0 + RELATIVE_ERROR);
             } else {
@@ -95,6 +95,12 @@ impl SlabRay {
         slab
     }
 
+    /// Whether the direction is negative on an axis.
+    #[inline(always)]
+    pub fn is_negative(&self, axis: usize) -> bool {
+        (self.octant >> axis) & 1 == 1
+    }
+
     /// A distance on the ray as a scaled distance, never too small.
     #[inline(always)]
     pub fn scaled(&self, t: f32) -> f32 {
@@ -105,8 +111,11 @@ impl SlabRay {
     /// that, when a box is entered beyond it, all later ones are entered beyond the limit. The margin covers rounding, boxes
     /// that the ray only seems to meet, and boxes that reach into each other by twice `thickness`. Infinite for a ray that is
     /// parallel to an axis: it may run within a plane between two cells, where there is no order.
+    #[inline(always)]
     pub fn stop(&self, thickness: f32) -> (f32, f32) {
-        let steepest = self.leave_inv.iter().fold(0.0f32, |most, inv| most.max(inv.abs()));
+        let [x, y, z] = self.leave_inv.map(f32::abs);
+        let steepest = if x > y { x } else { y };
+        let steepest = if z > steepest { z } else { steepest };
         (self.stop_factor, self.stop_add + 4.0 * thickness * steepest)
     }
 
@@ -127,7 +136,7 @@ impl SlabRay {
         let (mut enter, mut leave) = (0.0f32, f32::INFINITY);
         for axis in 0..3 {
             let (lo, hi) = (bounds.lo(axis), bounds.hi(axis));
-            let (first, last) = if self.negative[axis] { (hi, lo) } else { (lo, hi) };
+            let (first, last) = if self.is_negative(axis) { (hi, lo) } else { (lo, hi) };
             enter = enter.max(self.enter(axis, first));
             leave = leave.min(self.leave(axis, last));
         }
