@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Above this many references, the two sides of a plane are built in parallel.
 const FORK_ABOVE: usize = 16 * 1024;
 /// A tree has at most this many references for each triangle.
-const MAX_REFERENCES_PER_TRIANGLE: f64 = 2.5;
+const MAX_REFERENCES_PER_TRIANGLE: f64 = 3.0;
 /// Duplicates that even the smallest scene may have.
 const MIN_BUDGET: usize = 32;
 /// How many references are made between two looks at the control.
