@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Above this many references, the two sides of a plane are built in parallel.
 const FORK_ABOVE: usize = 16 * 1024;
 /// A tree has at most this many references for each triangle.
-const MAX_REFERENCES_PER_TRIANGLE: f64 = 2.5;
+const MAX_REFERENCES_PER_TRIANGLE: f64 = 3.0;
 /// Duplicates that even the smallest scene may have.
 const MIN_BUDGET: usize = 32;
 /// How many references are made between two looks at the control.
@@ -19,7 +19,7 @@ const POLL_EVERY: usize = 4096;
 /// A cell of the built tree. Cells come in depth-first order: the left child follows its parent.
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltCell {
-    /// The box around the cell's references.
+    /// The box around what the cell sees of its triangles, widened by their thickness.
     pub bounds: Bounds,
     /// What the cell is.
     pub kind: BuiltKind,
@@ -49,6 +49,8 @@ pub struct Built {
     pub cells: Vec<BuiltCell>,
     /// The triangles of all leaves, in the order of the leaves.
     pub triangles: Vec<u32>,
+    /// The largest thickness of a triangle.
+    pub thickness: f32,
 }
 
 struct Context<'a, T> {
@@ -66,7 +68,8 @@ pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Cont
         control.check()?;
         for (i, reference) in refs.iter_mut().enumerate() {
             let triangle = (chunk * POLL_EVERY + i) as u32;
-            *reference = clip::whole(&corners(triangles, triangle)).of_triangle(triangle);
+            let corners = corners(triangles, triangle);
+            *reference = clip::whole(&corners).of_triangle(triangle, clip::thickness(&corners));
         }
         Ok(())
     })?;
@@ -76,7 +79,9 @@ pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Cont
     }
     let budget = MIN_BUDGET + (refs.len() as f64 * (MAX_REFERENCES_PER_TRIANGLE - 1.0)) as usize;
     let root = Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 };
+    out.thickness = refs.iter().map(Bounds::thickness).fold(0.0, f32::max);
     Context { triangles, options, control }.fork(refs, root, &mut out)?;
+    out.widen();
     Ok(out)
 }
 
@@ -101,12 +106,12 @@ impl<T: Triangles> Context<'_, T> {
             return self.descend(&mut refs, 0, cell, out);
         }
         let Some(plane) = self.choose(&refs, &cell) else {
-            leaf(&refs, &cell, out);
+            leaf(&refs, out);
             return Ok(());
         };
         let mut right_refs = Vec::new();
         let Some(sides) = self.deal(&mut refs, 0, &mut right_refs, plane, &cell) else {
-            leaf(&refs, &cell, out);
+            leaf(&refs, out);
             return Ok(());
         };
         refs.shrink_to_fit();
@@ -132,7 +137,7 @@ impl<T: Triangles> Context<'_, T> {
         let sides =
             self.choose(&arena[base..], &cell).and_then(|plane| self.deal(arena, base, &mut right_refs, plane, &cell));
         let Some(sides) = sides else {
-            leaf(&arena[base..], &cell, out);
+            leaf(&arena[base..], out);
             arena.truncate(base);
             return Ok(());
         };
@@ -210,7 +215,7 @@ impl<T: Triangles> Context<'_, T> {
     fn cut(&self, reference: &Reference, plane: Plane) -> (Option<Reference>, Option<Reference>) {
         let triangle = reference.triangle();
         let corners = corners(self.triangles, triangle);
-        let tag = |part: Option<Bounds>| part.map(|b| b.of_triangle(triangle));
+        let tag = |part: Option<Bounds>| part.map(|b| b.of_triangle(triangle, reference.thickness()));
         match clip::cut(&corners, reference, plane.axis, plane.at) {
             (None, None) => {
                 let (mut below, mut above) = (*reference, *reference);
@@ -223,8 +228,12 @@ impl<T: Triangles> Context<'_, T> {
     }
 }
 
-fn leaf(refs: &[Reference], cell: &Cell, out: &mut Built) {
-    out.cells.push(BuiltCell { bounds: cell.bounds, kind: BuiltKind::Leaf { count: refs.len() as u32 } });
+fn leaf(refs: &[Reference], out: &mut Built) {
+    let mut bounds = Bounds::EMPTY;
+    for reference in refs {
+        bounds.merge(&reference.widened(reference.thickness()));
+    }
+    out.cells.push(BuiltCell { bounds, kind: BuiltKind::Leaf { count: refs.len() as u32 } });
     out.triangles.extend(refs.iter().map(Reference::triangle));
 }
 
@@ -243,6 +252,16 @@ impl Built {
 }
 
 impl Built {
+    /// Makes the box of each split cell that around its sides' boxes, which are widened at the leaves.
+    fn widen(&mut self) {
+        for at in (0..self.cells.len()).rev() {
+            if let BuiltKind::Split { right, .. } = self.cells[at].kind {
+                self.cells[at].bounds =
+                    Bounds::around([&self.cells[at + 1].bounds, &self.cells[at + right as usize].bounds]);
+            }
+        }
+    }
+
     /// For each cell that is a leaf, its number among the leaves.
     pub fn leaf_numbers(&self) -> Vec<u32> {
         let number = |next: &mut u32, cell: &BuiltCell| {

@@ -78,6 +78,7 @@ pub struct Statistics {
 #[derive(Debug)]
 pub struct KdTree {
     bounds: Bounds,
+    thickness: f32,
     nodes: Vec<binary::Node>,
     wide: Vec<wide::node::WideNode>,
     leaves: leaves::LeafStore,
@@ -101,8 +102,11 @@ impl KdTree {
         let leaves = leaves::LeafStore::new(&contents, &places, &planner, triangles);
         let nodes = binary::compile(&built, &places);
         let bounds = built.cells.first().map_or(Bounds::EMPTY, |root| root.bounds);
+        let largest = (0..3).map(|axis| bounds.lo(axis).abs().max(bounds.hi(axis).abs())).fold(0.0, f32::max);
+        // Sums with planes may round by half an ulp of the coordinates.
+        let thickness = 2.0 * built.thickness + largest * f32::EPSILON;
         let kernel = wide::AnyKernel::new(options.simd);
-        let mut tree = Self { bounds, nodes, wide, leaves, kernel, statistics: Statistics::default() };
+        let mut tree = Self { bounds, thickness, nodes, wide, leaves, kernel, statistics: Statistics::default() };
         tree.statistics = Statistics {
             triangles: triangles.len() as u64,
             nodes: tree.nodes.len() as u64,
@@ -162,10 +166,10 @@ impl KdTree {
     }
 
     fn wide(&self) -> wide::WideTree<'_> {
-        wide::WideTree { nodes: &self.wide, leaves: &self.leaves }
+        wide::WideTree { nodes: &self.wide, leaves: &self.leaves, thickness: self.thickness }
     }
 
     fn binary(&self) -> binary::Tree<'_> {
-        binary::Tree { nodes: &self.nodes, bounds: &self.bounds, leaves: &self.leaves }
+        binary::Tree { nodes: &self.nodes, bounds: &self.bounds, thickness: self.thickness, leaves: &self.leaves }
     }
 }

@@ -30,6 +30,8 @@ pub struct WideTree<'a> {
     pub nodes: &'a [WideNode],
     /// The leaves' triangles.
     pub leaves: &'a LeafStore,
+    /// How far boxes reach beyond their cells, and so into each other, at most.
+    pub thickness: f32,
 }
 
 impl WideTree<'_> {
