@@ -15,7 +15,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
     ("prepare", &["geometry", "lighting", "math", "settings"]),
     ("integrate", &["film", "geometry", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
     ("write", &["film", "settings"]),
-    ("batch", &["film", "geometry", "integrate", "prepare", "settings", "write"]),
+    ("batch", &["film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
     ("cli", &["batch", "settings"]),
 ];
 

@@ -13,6 +13,7 @@ pub struct Rival {
     from: BufReader<ChildStdout>,
     folder: std::path::PathBuf,
     pub build_seconds: f64,
+    pub build_cpu: f64,
 }
 
 impl Rival {
@@ -34,8 +35,9 @@ impl Rival {
             .expect("the Embree program starts");
         let to = child.stdin.take().expect("piped");
         let from = BufReader::new(child.stdout.take().expect("piped"));
-        let mut rival = Self { child, to, from, folder, build_seconds: 0.0 };
-        rival.build_seconds = rival.answer()[0];
+        let mut rival = Self { child, to, from, folder, build_seconds: 0.0, build_cpu: 0.0 };
+        let answer = rival.answer();
+        (rival.build_seconds, rival.build_cpu) = (answer[0], answer[1]);
         rival
     }
 

@@ -6,7 +6,7 @@ use crate::integrate::{Rendered, View, render};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
 use crate::settings::{Background, EnvironmentSettings, Exposure, PictureFormat};
 use crate::write::{Metadata, display, exr, png};
-use kiln_formats::{Control, ErrorCode, Format, ImportError, ImportOptions, Scene, Stopped, import};
+use kiln_formats::{Control, ErrorCode, Format, ImportError, ImportOptions, Scene, Stopped, Warning, import};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -101,8 +101,14 @@ impl Work<'_> {
     fn run(&mut self) -> Result<(), Failure> {
         self.control.check()?;
         let (scene, environment, views) = self.import()?;
-        let prepared = self.prepare(scene, &environment)?;
+        let mut prepared = self.prepare(scene, &environment)?;
         drop(environment);
+        if prepared.triangles == 0 {
+            let message =
+                format!("nothing to draw: none of its {} triangles has an area", prepared.degenerate_triangles);
+            return Err(Failure::new(ErrorCode::Empty.as_str(), message));
+        }
+        self.lighten(&mut prepared, &views)?;
         let exposure = self.exposure(&prepared, &views)?;
         for (index, view) in views.iter().enumerate() {
             let stage = Stage::Render { view: index as u32, views: views.len() as u32 };
@@ -175,6 +181,26 @@ impl Work<'_> {
             facts.emitters = prepared.emitters;
         }
         Ok(prepared)
+    }
+
+    /// Adds the studio where the asset's own light leaves it black: lamps that only light their inside, weak emission
+    /// that was meant as a colour, lights too far away.
+    fn lighten(&mut self, prepared: &mut PreparedScene, views: &[View]) -> Result<(), Failure> {
+        let settings = &self.job.settings;
+        let own = self.outcome.light.as_deref() == Some("own") && settings.environment == EnvironmentSettings::Auto;
+        let Some(view) = views.first().filter(|_| own) else { return Ok(()) };
+        let clock = StageClock::begin();
+        let (dark, rendered) = exposure::is_dark(prepared, view, &settings.render, self.control)?;
+        self.count(&rendered);
+        if dark {
+            prepared.relight(&EnvironmentSource::Studio, &settings.prepare);
+            self.outcome.light = Some("own + studio".into());
+            let message =
+                "its own light leaves the picture black: the studio lights it as well (--env none: it does not)";
+            self.outcome.warnings.push(Warning::new("own-light-too-dark", "", message));
+        }
+        self.outcome.seconds.render += clock.seconds().0;
+        Ok(())
     }
 
     /// The exposure of all views, EV.

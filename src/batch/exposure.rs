@@ -1,7 +1,9 @@
 use crate::film::Picture;
 use crate::integrate::{Rendered, View, render};
+use crate::math::luminance;
 use crate::prepare::PreparedScene;
 use crate::settings::RenderSettings;
+use glam::Vec3;
 use kiln_formats::{Control, Stopped};
 
 /// Width and height of the metering pictures.
@@ -36,6 +38,37 @@ pub fn meter(
         .collect::<Result<Vec<_>, _>>()?;
     let ev = middle_grey_ev(rendered.iter().map(|r| &r.picture));
     Ok((ev, rendered))
+}
+
+/// Camera paths per pixel of the look whether anything is lit.
+const DARK_SPP: u32 = 8;
+/// Width and height of that look.
+const DARK_SIZE: u32 = 16;
+/// Luminance below which a pixel counts as black; displayed it is at 15 %.
+const BLACK: f32 = 0.02;
+/// The share of what is covered that must not be black.
+const LEAST_LIT: f32 = 0.05;
+
+/// Whether the first view shows next to nothing but black. Depends on scene and view alone, like [`meter`].
+///
+/// # Errors
+/// [`Stopped`] when `control` asks for it.
+pub fn is_dark(
+    scene: &PreparedScene,
+    view: &View,
+    settings: &RenderSettings,
+    control: &Control,
+) -> Result<(bool, Rendered), Stopped> {
+    let settings = RenderSettings { spp: DARK_SPP, seed: 0, ..*settings };
+    let rendered = render(scene, &View { width: DARK_SIZE, height: DARK_SIZE, ..view.clone() }, &settings, control)?;
+    let (mut covered, mut lit) = (0.0, 0.0);
+    for [r, g, b, alpha] in &rendered.picture.pixels {
+        covered += alpha;
+        if luminance(Vec3::new(*r, *g, *b)) > BLACK * alpha {
+            lit += alpha;
+        }
+    }
+    Ok((lit < LEAST_LIT * covered, rendered))
 }
 
 /// The EV that brings the log-average luminance of what is covered to middle grey; 0 when nothing is lit.

@@ -58,6 +58,13 @@ pub struct PreparedScene {
 }
 
 impl PreparedScene {
+    /// Changes what lights the scene beside its own lights.
+    pub fn relight(&mut self, environment: &EnvironmentSource, settings: &PrepareSettings) {
+        let environment = Environment::new(environment, self.scene.up);
+        self.lights = Lights::new(&self.scene, &self.geometry, &self.frame, environment, settings);
+        self.emitters = self.lights.count() as u64;
+    }
+
     /// Figures of the kd-tree.
     pub fn kdtree_statistics(&self) -> kdtree::Statistics {
         self.tree.statistics()

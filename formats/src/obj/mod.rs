@@ -22,6 +22,7 @@ mod text;
 mod textures;
 mod vertices;
 
+use crate::repair::tangents;
 use crate::scene::{Instance, MaterialId, Mesh, UpAxis};
 use crate::{Control, ImportError, Resources, Scene, Warning};
 use std::collections::BTreeMap;
@@ -83,7 +84,15 @@ fn import_logged(
         let name = if part.name.is_empty() { material_name } else { &part.name }.to_owned();
         let id = scene.meshes.len() as u32;
         scene.instances.push(Instance { name: name.clone(), mesh: id, transform: geometry.transform });
-        scene.meshes.push(Mesh { name, material, ..mesh });
+        let mut mesh = Mesh { name, material, ..mesh };
+        if let Some(map) = scene.materials.get(material as usize).and_then(|m| m.normal_map) {
+            let made = tangents::generate(&mut mesh, usize::from(map.texture.uv_set), &map.texture.transform);
+            if let Err(why) = made {
+                let message = || format!("the normal map of material '{material_name}' is left out: {why}");
+                log.warn("normal-map-ignored", "", message);
+            }
+        }
+        scene.meshes.push(mesh);
     }
     Ok(scene)
 }

@@ -12,7 +12,7 @@ use crate::math::{Hit, Ray};
 const LEAF: u32 = 3;
 
 /// Eight bytes. A split keeps its plane, its axis and the place of its right child; the left one follows it. A leaf keeps
-/// where its references lie and how many they are.
+/// where its references lie, how many they are, and the size of their pool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Node {
     plane_or_count: u32,
@@ -34,7 +34,7 @@ impl Node {
     pub fn view(&self) -> View {
         let (axis, rest) = (self.word & 3, self.word >> 2);
         if axis == LEAF {
-            View::Leaf(Leaf { first: rest, count: self.plane_or_count })
+            View::Leaf(Leaf { first: rest, count: self.plane_or_count >> 5, pool: self.plane_or_count & 31 })
         } else {
             View::Split(Plane { axis: axis as usize, at: f32::from_bits(self.plane_or_count) }, rest as usize)
         }
@@ -48,8 +48,9 @@ pub fn compile(built: &Built, leaves: &[Leaf]) -> Vec<Node> {
         BuiltKind::Split { plane, right } => {
             Node { plane_or_count: plane.at.to_bits(), word: (i as u32 + right) << 2 | plane.axis as u32 }
         }
-        BuiltKind::Leaf { count } => {
-            Node { plane_or_count: count, word: leaves.next().map_or(0, |leaf| leaf.first) << 2 | LEAF }
+        BuiltKind::Leaf { .. } => {
+            let leaf = leaves.next().copied().unwrap_or(Leaf { first: 0, count: 0, pool: 0 });
+            Node { plane_or_count: leaf.count << 5 | leaf.pool, word: leaf.first << 2 | LEAF }
         }
     };
     built.cells.iter().enumerate().map(node).collect()
@@ -100,7 +101,7 @@ pub fn nearest(tree: Tree, ray: &Ray, any: bool, mut accept: impl FnMut(&Hit) ->
                     (at, leave) = (near, near_leave);
                 }
                 View::Leaf(leaf) => {
-                    for block in tree.leaves.blocks(leaf.first, leaf.count as usize) {
+                    for block in tree.leaves.blocks(leaf) {
                         for i in 0..block.len {
                             let Some(hit) = sheared.meet(block.corners(i), block.triangle(i)) else { continue };
                             if nearest.improves(&hit) && accept(&hit) {

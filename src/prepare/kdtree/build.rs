@@ -2,7 +2,7 @@
 
 use super::bounds::{Bounds, Reference};
 use super::split::{Cell, MAX_DEPTH, Plane, mix, sides};
-use super::{BuildOptions, Triangles, clip, median, sah, sampled};
+use super::{BuildOptions, Triangles, clip, median, sah, sah_simd, sampled};
 use crate::settings::KdTreeBuilder;
 use kiln_formats::{Control, Stopped};
 use rayon::prelude::*;
@@ -61,13 +61,15 @@ struct Context<'a, T> {
 pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Control) -> Result<Built, Stopped> {
     control.check()?;
     let n = u32::try_from(triangles.len()).unwrap_or(u32::MAX);
-    let make = |triangle: u32| -> Result<Reference, Stopped> {
-        if (triangle as usize).is_multiple_of(POLL_EVERY) {
-            control.check()?;
+    let mut refs = vec![Bounds::EMPTY; n as usize];
+    refs.par_chunks_mut(POLL_EVERY).enumerate().try_for_each(|(chunk, refs)| {
+        control.check()?;
+        for (i, reference) in refs.iter_mut().enumerate() {
+            let triangle = (chunk * POLL_EVERY + i) as u32;
+            *reference = clip::whole(&corners(triangles, triangle)).of_triangle(triangle);
         }
-        Ok(clip::whole(&corners(triangles, triangle)).of_triangle(triangle))
-    };
-    let refs = (0..n).into_par_iter().map(make).collect::<Result<Vec<_>, _>>()?;
+        Ok(())
+    })?;
     let mut out = Built::default();
     if refs.is_empty() {
         return Ok(out);
@@ -78,8 +80,10 @@ pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Cont
     Ok(out)
 }
 
+#[inline(always)]
 fn corners<T: Triangles>(triangles: &T, triangle: u32) -> [[f32; 3]; 3] {
-    triangles.vertices(triangle).map(|v| v.to_array())
+    let [a, b, c] = triangles.vertices(triangle);
+    [a.to_array(), b.to_array(), c.to_array()]
 }
 
 /// The two sides of a plane.
@@ -133,11 +137,9 @@ impl<T: Triangles> Context<'_, T> {
             return Ok(());
         };
         let at = out.begin_split(&cell, sides.plane);
-        // The right side waits behind the left one's working space.
         self.descend(arena, base, sides.left, out)?;
         out.begin_right(at);
-        arena.append(&mut right_refs);
-        self.descend(arena, base, sides.right, out)
+        self.descend(&mut right_refs, 0, sides.right, out)
     }
 
     fn choose(&self, refs: &[Reference], cell: &Cell) -> Option<Plane> {
@@ -147,7 +149,7 @@ impl<T: Triangles> Context<'_, T> {
         match self.options.builder {
             KdTreeBuilder::Median => median::choose(refs, cell),
             KdTreeBuilder::Sampled => sampled::choose(refs, cell, self.options.seed),
-            KdTreeBuilder::Sah => sah::choose(refs, cell),
+            KdTreeBuilder::Sah => sah_simd::choose(refs, cell, self.options.simd),
         }
     }
 
@@ -208,13 +210,15 @@ impl<T: Triangles> Context<'_, T> {
     fn cut(&self, reference: &Reference, plane: Plane) -> (Option<Reference>, Option<Reference>) {
         let triangle = reference.triangle();
         let corners = corners(self.triangles, triangle);
-        let (mut below, mut above) = (*reference, *reference);
-        below.set_hi(plane.axis, plane.at);
-        above.set_lo(plane.axis, plane.at);
-        let part = |cell: &Bounds| clip::clipped(&corners, cell).map(|b| b.of_triangle(triangle));
-        match (part(&below), part(&above)) {
-            (None, None) => (Some(below), Some(above)),
-            parts => parts,
+        let tag = |part: Option<Bounds>| part.map(|b| b.of_triangle(triangle));
+        match clip::cut(&corners, reference, plane.axis, plane.at) {
+            (None, None) => {
+                let (mut below, mut above) = (*reference, *reference);
+                below.set_hi(plane.axis, plane.at);
+                above.set_lo(plane.axis, plane.at);
+                (Some(below), Some(above))
+            }
+            (below, above) => (tag(below), tag(above)),
         }
     }
 }
@@ -239,11 +243,6 @@ impl Built {
 }
 
 impl Built {
-    /// Leaves.
-    pub fn leaf_count(&self) -> usize {
-        self.cells.len().div_ceil(2)
-    }
-
     /// For each cell that is a leaf, its number among the leaves.
     pub fn leaf_numbers(&self) -> Vec<u32> {
         let number = |next: &mut u32, cell: &BuiltCell| {

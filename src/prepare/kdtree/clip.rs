@@ -27,10 +27,7 @@ pub fn whole(corners: &[[f32; 3]; 3]) -> Bounds {
 pub fn clipped(corners: &[[f32; 3]; 3], cell: &Bounds) -> Option<Bounds> {
     let thick = thickness(corners);
     let mut polygon = Polygon::new(corners);
-    for axis in 0..3 {
-        polygon.keep_above(axis, f64::from(cell.lo(axis)) - thick);
-        polygon.keep_below(axis, f64::from(cell.hi(axis)) + thick);
-    }
+    polygon.keep_within(cell, thick);
     if polygon.len == 0 {
         return None;
     }
@@ -38,17 +35,31 @@ pub fn clipped(corners: &[[f32; 3]; 3], cell: &Bounds) -> Option<Bounds> {
     (!part.is_empty()).then_some(part)
 }
 
+/// The boxes around the two parts into which a plane cuts a thick triangle within `cell`: below and above the plane.
+pub fn cut(corners: &[[f32; 3]; 3], cell: &Bounds, axis: usize, at: f32) -> (Option<Bounds>, Option<Bounds>) {
+    let thick = thickness(corners);
+    let mut polygon = Polygon::new(corners);
+    polygon.keep_within(cell, thick);
+    let (mut lower, mut upper) = (*cell, *cell);
+    lower.set_hi(axis, at);
+    upper.set_lo(axis, at);
+    let part = |mut polygon: Polygon, sign: f64, cell: &Bounds| {
+        polygon.keep(axis, f64::from(at) + sign * -thick, sign);
+        let part = if polygon.len > 0 { polygon.bounds(thick).intersection(cell) } else { Bounds::EMPTY };
+        (!part.is_empty()).then_some(part)
+    };
+    (part(polygon, -1.0, &lower), part(polygon, 1.0, &upper))
+}
+
 /// The corners of the part of a triangle (not thickened) that lies in `cell`; none where it does not reach.
 pub fn part(corners: &[[f32; 3]; 3], cell: &Bounds) -> Vec<[f64; 3]> {
     let mut polygon = Polygon::new(corners);
-    for axis in 0..3 {
-        polygon.keep_above(axis, f64::from(cell.lo(axis)));
-        polygon.keep_below(axis, f64::from(cell.hi(axis)));
-    }
+    polygon.keep_within(cell, 0.0);
     polygon.corners[..polygon.len].to_vec()
 }
 
 /// A convex polygon: a triangle cut by up to six planes (Sutherland & Hodgman 1974), so with nine corners at most.
+#[derive(Clone, Copy)]
 struct Polygon {
     corners: [[f64; 3]; 10],
     len: usize,
@@ -63,22 +74,22 @@ impl Polygon {
         Self { corners, len: 3 }
     }
 
-    fn keep_above(&mut self, axis: usize, plane: f64) {
-        self.keep(axis, plane, 1.0);
-    }
-
-    fn keep_below(&mut self, axis: usize, plane: f64) {
-        self.keep(axis, plane, -1.0);
+    /// Keeps what lies in a cell that is widened by `thick`.
+    fn keep_within(&mut self, cell: &Bounds, thick: f64) {
+        for axis in 0..3 {
+            self.keep(axis, f64::from(cell.lo(axis)) - thick, 1.0);
+            self.keep(axis, f64::from(cell.hi(axis)) + thick, -1.0);
+        }
     }
 
     /// Keeps the half where `sign · (x − plane) ≥ 0`.
     fn keep(&mut self, axis: usize, plane: f64, sign: f64) {
         let inside = |corner: &[f64; 3]| sign * (corner[axis] - plane) >= 0.0;
-        let old = self.corners;
-        let old = &old[..self.len];
-        if old.iter().all(inside) {
+        if self.corners[..self.len].iter().all(inside) {
             return;
         }
+        let old = self.corners;
+        let old = &old[..self.len];
         self.len = 0;
         for (i, b) in old.iter().enumerate() {
             let a = &old[if i == 0 { old.len() - 1 } else { i - 1 }];

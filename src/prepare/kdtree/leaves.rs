@@ -1,20 +1,21 @@
-//! The triangles of leaves, laid out for kernels that test a block at once.
+//! Where the triangles of leaves lie.
 //!
-//! A leaf of n references is a sequence of blocks of up to 16; a block of m is ten arrays of m words, one after the
-//! other: x, y, z of the first corners, of the second, of the third, and the triangles' numbers. Blocks begin at
-//! multiples of 32 bytes. So a reference takes 40 bytes, and a kernel reads an array with one masked load.
+//! A leaf of up to 16 references is one block, plain or pooled (see [`super::block`]); a larger one is a sequence of plain
+//! blocks behind a grain that holds its count. Blocks begin at multiples of 32 bytes.
 
 use super::Triangles;
 use super::aligned::AlignedWords;
-use super::build::Built;
+use super::block::{self, Block, words_of};
+use super::build::{Built, BuiltKind};
 use super::split::BLOCK;
+use rayon::prelude::*;
 
 /// Words of a grain, the unit in which places in the store are counted.
 const GRAIN: usize = 8;
-/// Words of a reference in a block.
-const ARRAYS: usize = 10;
 /// Words after the last block, so that sixteen-lane loads never leave the store.
-const SLACK: usize = 32;
+const SLACK: usize = 64;
+/// Leaves above which the store is filled in parallel.
+const FORK_ABOVE: usize = 1024;
 
 /// The leaves' triangles.
 #[derive(Debug)]
@@ -23,71 +24,118 @@ pub struct LeafStore {
 }
 
 /// Where a leaf lies in the store.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Leaf {
     /// Its first grain.
     pub first: u32,
     /// Its references.
     pub count: u32,
+    /// Corners in the pool of its block; 0 for plain blocks.
+    pub pool: u32,
 }
 
-/// A block of up to 16 references: ten arrays of `len` words.
-#[derive(Clone, Copy, Debug)]
-pub struct Block<'a> {
-    /// References in it.
-    pub len: usize,
-    /// Its words, and whatever follows.
-    pub words: &'a [u32],
+fn grains_of(block: usize, pool: usize) -> usize {
+    words_of(block, pool).div_ceil(GRAIN)
 }
 
-fn grains_of(block: usize) -> usize {
-    (block * ARRAYS).div_ceil(GRAIN)
+impl Leaf {
+    /// Grains that it fills.
+    fn grains(&self) -> u32 {
+        let (count, pool) = (self.count as usize, self.pool as usize);
+        ((count / BLOCK) * grains_of(BLOCK, pool) + grains_of(count % BLOCK, if count < BLOCK { pool } else { 0 }))
+            as u32
+    }
 }
 
-/// Grains that a leaf fills.
-fn grains_of_leaf(count: usize) -> usize {
-    (count / BLOCK) * grains_of(BLOCK) + grains_of(count % BLOCK)
+/// The leaves of a built tree, before they have a place.
+pub struct Contents<'a> {
+    triangles: &'a [u32],
+    /// Where each leaf's references begin in the list of all; one more than there are leaves.
+    begins: Vec<usize>,
+    /// The size of each leaf's pool.
+    pub pools: Vec<u32>,
+}
+
+impl<'a> Contents<'a> {
+    /// Looks into the leaves.
+    pub fn new<T: Triangles>(built: &'a Built, triangles: &T) -> Self {
+        let mut begins = vec![0];
+        let mut end = 0;
+        for cell in &built.cells {
+            if let BuiltKind::Leaf { count } = cell.kind {
+                end += count as usize;
+                begins.push(end);
+            }
+        }
+        let pool = |range: &[usize]| block::pool_size(&built.triangles[range[0]..range[1]], triangles) as u32;
+        let pools = begins.par_windows(2).map(pool).collect();
+        Self { triangles: &built.triangles, begins, pools }
+    }
+
+    fn ids(&self, leaf: u32) -> &'a [u32] {
+        &self.triangles[self.begins[leaf as usize]..self.begins[leaf as usize + 1]]
+    }
 }
 
 /// Deals out places for leaves.
 #[derive(Debug, Default)]
 pub struct Planner {
+    /// The order in which leaves lie in the store, by their numbers.
+    order: Vec<u32>,
     next: u32,
 }
 
 impl Planner {
-    /// The place of the next leaf of up to 16 references.
+    /// The first grain of the next leaf of up to 16 references.
     pub fn next(&self) -> u32 {
         self.next
     }
 
-    /// A place for a leaf. Before a leaf of more than one block lies a grain with its count.
-    pub fn place(&mut self, count: u32) -> Leaf {
-        let first = self.next + u32::from(count as usize > BLOCK);
-        self.next = first + grains_of_leaf(count as usize) as u32;
-        Leaf { first, count }
+    /// A place for a leaf.
+    pub fn place(&mut self, number: u32, count: u32, pool: u32) -> Leaf {
+        let leaf = Leaf { first: self.next + u32::from(count as usize > BLOCK), count, pool };
+        self.next = leaf.first + leaf.grains();
+        self.order.push(number);
+        leaf
     }
 }
 
 impl LeafStore {
-    /// Fills the leaves of a built tree, which lie at `leaves` (in their order) within so many grains.
-    pub fn new<T: Triangles>(built: &Built, leaves: &[Leaf], grains: u32, triangles: &T) -> Self {
-        let mut store = AlignedWords::zeroed(grains as usize * GRAIN + SLACK);
-        let words = store.as_mut_slice();
-        let mut ids = built.triangles.as_slice();
-        for leaf in leaves {
-            let (mine, rest) = ids.split_at(leaf.count as usize);
-            ids = rest;
-            let mut at = leaf.first as usize * GRAIN;
-            if mine.len() > BLOCK {
-                words[at - GRAIN] = leaf.count;
-            }
-            for block in mine.chunks(BLOCK) {
-                fill(&mut words[at..at + block.len() * ARRAYS], block, triangles);
-                at += grains_of(block.len()) * GRAIN;
-            }
-        }
+    /// Fills leaves that lie at `leaves` (in the order of their numbers).
+    pub fn new<T: Triangles>(contents: &Contents, leaves: &[Leaf], planner: &Planner, triangles: &T) -> Self {
+        let mut store = AlignedWords::zeroed(planner.next as usize * GRAIN + SLACK);
+        fill(
+            store.as_mut_slice(),
+            0,
+            &planner.order,
+            &|words, grain, number| {
+                let leaf = leaves[number as usize];
+                let ids = contents.ids(number);
+                let mut at = (leaf.first - grain) as usize * GRAIN;
+                if ids.len() > BLOCK {
+                    words[at - GRAIN] = leaf.count;
+                }
+                for block in ids.chunks(BLOCK) {
+                    let len = words_of(block.len(), leaf.pool as usize);
+                    block::write(&mut words[at..at + len], block, leaf.pool as usize, triangles);
+                    at += grains_of(block.len(), leaf.pool as usize) * GRAIN;
+                }
+            },
+            &|number| leaves[number as usize].first + leaves[number as usize].grains(),
+        );
         Self { words: store }
+    }
+
+    /// The blocks of a leaf.
+    #[inline(always)]
+    pub fn blocks(&self, leaf: Leaf) -> impl Iterator<Item = Block<'_>> {
+        let words = &self.words.as_slice()[leaf.first as usize * GRAIN..];
+        let count = leaf.count as usize;
+        (0..count).step_by(BLOCK).map(move |begin| Block {
+            len: (count - begin).min(BLOCK),
+            pool: leaf.pool as usize,
+            words: &words[words_of(begin, 0)..],
+        })
     }
 
     /// The first word of a leaf.
@@ -96,18 +144,9 @@ impl LeafStore {
         self.words.as_slice().get(first as usize * GRAIN)
     }
 
-    /// The count of a leaf of more than 16 references.
-    pub fn count_before(&self, first: u32) -> u32 {
-        self.words.as_slice()[(first as usize - 1) * GRAIN]
-    }
-
-    /// The blocks of a leaf of `count` references that begins at the grain `first`.
-    #[inline(always)]
-    pub fn blocks(&self, first: u32, count: usize) -> impl Iterator<Item = Block<'_>> {
-        let words = &self.words.as_slice()[first as usize * GRAIN..];
-        (0..count)
-            .step_by(BLOCK)
-            .map(move |begin| Block { len: (count - begin).min(BLOCK), words: &words[begin * ARRAYS..] })
+    /// A leaf of more than 16 references by its place.
+    pub fn large(&self, first: u32) -> Leaf {
+        Leaf { first, count: self.words.as_slice()[(first as usize - 1) * GRAIN], pool: 0 }
     }
 
     /// All words.
@@ -121,28 +160,19 @@ impl LeafStore {
     }
 }
 
-fn fill<T: Triangles>(words: &mut [u32], ids: &[u32], triangles: &T) {
-    let n = ids.len();
-    for (i, &id) in ids.iter().enumerate() {
-        let coordinates = triangles.vertices(id).map(|v| v.to_array());
-        for (k, x) in coordinates.as_flattened().iter().enumerate() {
-            words[k * n + i] = x.to_bits();
-        }
-        words[9 * n + i] = id;
+/// Fills `words`, which begin at `grain`, with leaves that lie next to each other in this order.
+fn fill(
+    words: &mut [u32],
+    grain: u32,
+    order: &[u32],
+    write: &(impl Fn(&mut [u32], u32, u32) + Sync),
+    end: &(impl Fn(u32) -> u32 + Sync),
+) {
+    if order.len() <= FORK_ABOVE {
+        return order.iter().for_each(|&number| write(words, grain, number));
     }
-}
-
-impl Block<'_> {
-    /// The corners of a reference's triangle.
-    #[inline(always)]
-    pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
-        let at = |k: usize| f32::from_bits(self.words[k * self.len + i]);
-        [[at(0), at(1), at(2)], [at(3), at(4), at(5)], [at(6), at(7), at(8)]]
-    }
-
-    /// The number of a reference's triangle.
-    #[inline(always)]
-    pub fn triangle(&self, i: usize) -> u32 {
-        self.words[9 * self.len + i]
-    }
+    let (first, second) = order.split_at(order.len() / 2);
+    let middle = end(first[first.len() - 1]);
+    let (left, right) = words.split_at_mut((middle - grain) as usize * GRAIN);
+    rayon::join(|| fill(left, grain, first, write, end), || fill(right, middle, second, write, end));
 }

@@ -6,12 +6,14 @@
 
 mod aligned;
 mod binary;
+mod block;
 mod bounds;
 mod build;
 mod clip;
 mod leaves;
 mod median;
 mod sah;
+mod sah_simd;
 mod sampled;
 mod slab;
 mod split;
@@ -92,8 +94,11 @@ impl KdTree {
         let begin = Instant::now();
         let built = build::build(triangles, options, control)?;
         control.check()?;
-        let wide::collapse::Collapsed { nodes: wide, leaves: places, grains } = wide::collapse::collapse(&built);
-        let leaves = leaves::LeafStore::new(&built, &places, grains, triangles);
+        let contents = leaves::Contents::new(&built, triangles);
+        let wide::collapse::Collapsed { nodes: wide, leaves: places, planner } =
+            wide::collapse::collapse(&built, &contents.pools);
+        control.check()?;
+        let leaves = leaves::LeafStore::new(&contents, &places, &planner, triangles);
         let nodes = binary::compile(&built, &places);
         let bounds = built.cells.first().map_or(Bounds::EMPTY, |root| root.bounds);
         let kernel = wide::AnyKernel::new(options.simd);

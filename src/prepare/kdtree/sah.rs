@@ -1,10 +1,8 @@
-//! The surface area heuristic: 32 bins on each axis, refined to exact reference edges in small cells.
+//! The surface area heuristic: up to 32 bins on each axis, refined to exact reference edges in small cells.
 
 use super::bounds::{Bounds, Reference};
 use super::split::{BLOCK, COST_BLOCK, COST_VISIT, Candidate, Cell, Plane, blocks, leaf_cost, split_cost};
 
-/// Bins on an axis.
-const BINS: usize = 32;
 /// Above this many references, a sample is binned: what the planes are chosen by hardly changes.
 const SAMPLE_ABOVE: usize = 4096;
 /// One reference in this many is in the sample.
@@ -15,46 +13,69 @@ const REFINE_UP_TO: usize = 256;
 const LARGE_LEAF: usize = 128;
 const LARGE_LEAF_SLACK: f32 = 1.3;
 
-/// The cheapest plane whose duplicates the cell can afford, if it is worth it.
+/// The cheapest plane whose duplicates the cell can afford, if it is worth it. Small cells get fewer bins: their planes
+/// are refined anyway.
+///
+/// The same numbers come out whatever instructions this is compiled to.
+#[inline(always)]
 pub fn choose(refs: &[Reference], cell: &Cell) -> Option<Plane> {
+    match refs.len() {
+        ..=64 => choose_among::<8>(refs, cell),
+        65..=256 => choose_among::<16>(refs, cell),
+        _ => choose_among::<32>(refs, cell),
+    }
+}
+
+#[inline(always)]
+fn choose_among<const BINS: usize>(refs: &[Reference], cell: &Cell) -> Option<Plane> {
     let stride = if refs.len() > SAMPLE_ABOVE { SAMPLE_STRIDE } else { 1 };
-    let mut best = Bins::fill(refs, cell, stride).cheapest(refs.len(), cell, stride)?;
+    let mut best = Bins::<BINS>::fill(refs, cell, stride).cheapest(refs.len(), cell, stride)?;
     if refs.len() <= REFINE_UP_TO {
-        best = refine(refs, cell, best);
+        let width = (cell.bounds.hi(best.plane.axis) - cell.bounds.lo(best.plane.axis)) / BINS as f32;
+        best = refine(refs, cell, best, width);
     }
     let slack = if refs.len() > LARGE_LEAF { LARGE_LEAF_SLACK } else { 1.0 };
     (best.cost < leaf_cost(refs.len()) * cell.bounds.half_area() * slack).then_some(best.plane)
 }
 
-/// Counts and boxes of the references by the bin in which they begin and by the bin in which they end.
-struct Bins {
-    origin: [f32; 3],
-    width: [f32; 3],
+/// Counts and boxes of the references by the bin in which they begin and by the bin in which they end, for each axis.
+struct Bins<const BINS: usize> {
     begin: [[Bounds; BINS]; 3],
     end: [[Bounds; BINS]; 3],
     begun: [[u32; BINS]; 3],
     ended: [[u32; BINS]; 3],
 }
 
-impl Bins {
+impl<const BINS: usize> Bins<BINS> {
+    #[inline(always)]
     fn fill(refs: &[Reference], cell: &Cell, stride: usize) -> Self {
-        let origin = [0, 1, 2].map(|axis| cell.bounds.lo(axis));
-        let extent = [0, 1, 2].map(|axis| cell.bounds.hi(axis) - cell.bounds.lo(axis));
         let mut bins = Self {
-            origin,
-            width: extent.map(|x| x / BINS as f32),
             begin: [[Bounds::EMPTY; BINS]; 3],
             end: [[Bounds::EMPTY; BINS]; 3],
             begun: [[0; BINS]; 3],
             ended: [[0; BINS]; 3],
         };
-        let scale = extent.map(|x| if x > 0.0 { BINS as f32 / x } else { 0.0 });
+        // A bin's number is a linear function of a reference's eight numbers, the negated upper ends included.
+        let (mut factor, mut offset) = ([0.0f32; 8], [0.0f32; 8]);
+        for axis in 0..3 {
+            let (lo, hi) = (cell.bounds.lo(axis), cell.bounds.hi(axis));
+            let scale = if hi > lo { BINS as f32 / (hi - lo) } else { 0.0 };
+            let scale = if scale.is_finite() { scale } else { 0.0 };
+            factor[axis] = scale;
+            factor[axis + 4] = -scale;
+            offset[axis] = -lo * scale - 0.5;
+            offset[axis + 4] = offset[axis];
+        }
         for reference in refs.iter().step_by(stride) {
+            // Rounds to a whole number by pushing the fraction out of the mantissa; cheaper than a checked cast.
+            let bin: [u32; 8] = std::array::from_fn(|k| {
+                let x = reference.0[k] * factor[k] + offset[k];
+                let x = if x > 0.0 { x } else { 0.0 };
+                (x + 8_388_608.0).to_bits() & 0xff
+            });
+            let bin = bin.map(|b| if b < BINS as u32 { b as usize } else { BINS - 1 });
             for axis in 0..3 {
-                // The cast saturates, and sends NaN (0 × ∞ in a cell without extent) to 0.
-                let bin = |x: f32| (((x - origin[axis]) * scale[axis]) as usize).min(BINS - 1);
-                let first = bin(reference.lo(axis));
-                let last = bin(reference.hi(axis));
+                let (first, last) = (bin[axis], bin[axis + 4]);
                 bins.begin[axis][first].merge(reference);
                 bins.end[axis][last].merge(reference);
                 bins.begun[axis][first] += 1;
@@ -64,6 +85,7 @@ impl Bins {
         bins
     }
 
+    #[inline(always)]
     fn cheapest(&self, n: usize, cell: &Cell, stride: usize) -> Option<Candidate> {
         let area = cell.bounds.half_area();
         let sampled: u32 = self.begun[0].iter().sum();
@@ -71,7 +93,9 @@ impl Bins {
         let scaled = |count: u32| if stride == 1 { count as usize } else { (count as f32 * weight) as usize };
         let mut best: Option<Candidate> = None;
         for axis in 0..3 {
-            let plane_at = |k: usize| self.origin[axis] + self.width[axis] * k as f32;
+            let (lo, hi) = (cell.bounds.lo(axis), cell.bounds.hi(axis));
+            let width = (hi - lo) / BINS as f32;
+            let plane_at = |k: usize| lo + width * k as f32;
             // What lies right of each plane, from the right; then what lies left, from the left.
             let mut right = [(0.0f32, 0u32); BINS];
             let (mut bounds, mut count) = (Bounds::EMPTY, 0);
@@ -88,7 +112,7 @@ impl Bins {
                 count += self.begun[axis][k - 1];
                 let at = plane_at(k);
                 let both = (count + count_right).saturating_sub(sampled);
-                let inside = cell.bounds.lo(axis) < at && at < cell.bounds.hi(axis);
+                let inside = lo < at && at < hi;
                 if count == 0 || count_right == 0 || !inside || scaled(both) > cell.budget {
                     continue;
                 }
@@ -105,9 +129,9 @@ impl Bins {
 }
 
 /// Moves a plane to the best edge of a reference within a bin of it.
-fn refine(refs: &[Reference], cell: &Cell, coarse: Candidate) -> Candidate {
+#[inline(always)]
+fn refine(refs: &[Reference], cell: &Cell, coarse: Candidate, width: f32) -> Candidate {
     let axis = coarse.plane.axis;
-    let width = (cell.bounds.hi(axis) - cell.bounds.lo(axis)) / BINS as f32;
     let window = (coarse.plane.at - width, coarse.plane.at + width);
     let area = cell.bounds.half_area();
     // Most references lie on one side of all candidates: they are merged once.

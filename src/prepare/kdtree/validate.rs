@@ -75,7 +75,7 @@ fn leaf<T: Triangles>(
     wide: Option<&Bounds>,
 ) -> Result<(), String> {
     let mut held = Vec::new();
-    for block in tree.leaves.blocks(leaf.first, leaf.count as usize) {
+    for block in tree.leaves.blocks(leaf) {
         for i in 0..block.len {
             let t = block.triangle(i);
             if t as usize >= triangles.len() {

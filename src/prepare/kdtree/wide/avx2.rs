@@ -1,6 +1,7 @@
 //! The kernel in AVX2: two times eight lanes.
 #![allow(unsafe_code)]
 
+use super::super::block::Block;
 use super::super::slab::SlabRay;
 use super::WideTree;
 use super::kernel::{Enters, Kernel, octant};
@@ -73,9 +74,9 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn candidates(self, ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
+    fn candidates(self, ray: &ShearedRay, block: &Block) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { candidates(ray, words, len) }
+        unsafe { candidates(ray, block) }
     }
 }
 
@@ -142,25 +143,50 @@ fn enter(ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32
 /// signs is not met.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn candidates(ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
-    assert!(words.len() >= 9 * len + 16);
-    let base = words.as_ptr().cast::<f32>();
+fn candidates(ray: &ShearedRay, block: &Block) -> u32 {
+    let (len, pool) = (block.len, block.pool);
+    assert!(block.words.len() >= if pool == 0 { 9 * len + 16 } else { 3 * pool + 16 });
+    let base = block.words.as_ptr().cast::<f32>();
     let [x, y, z] = ray.axes;
     let origin = |axis: usize| _mm256_set1_ps(ray.origin[axis]);
     let (origin_x, origin_y, origin_z) = (origin(x), origin(y), origin(z));
     let (shear_x, shear_y) = (_mm256_set1_ps(ray.shear_x), _mm256_set1_ps(ray.shear_y));
+    let shear = |at_x: usize, at_y: usize, at_z: usize| {
+        // SAFETY: plain loads begin at 8·len + 8 at most, pooled ones at 2·pool + 8; each reads 8 words, which the
+        // assertion allows.
+        let load = |at: usize| unsafe { _mm256_loadu_ps(base.add(at)) };
+        let along = _mm256_sub_ps(load(at_z), origin_z);
+        let across_x = _mm256_sub_ps(load(at_x), origin_x);
+        let across_y = _mm256_sub_ps(load(at_y), origin_y);
+        [_mm256_sub_ps(across_x, _mm256_mul_ps(shear_x, along)), _mm256_sub_ps(across_y, _mm256_mul_ps(shear_y, along))]
+    };
+    let mut halves = [[_mm256_setzero_ps(); 2]; 2];
+    if pool > 0 {
+        for (half, points) in halves.iter_mut().enumerate() {
+            *points = shear(x * pool + 8 * half, y * pool + 8 * half, z * pool + 8 * half);
+        }
+    }
     let mut missed = 0;
     for begin in (0..len).step_by(8) {
-        let (mut sheared_x, mut sheared_y) = ([_mm256_setzero_ps(); 3], [_mm256_setzero_ps(); 3]);
-        for corner in 0..3 {
-            let row = |axis: usize| (3 * corner + axis) * len + begin;
-            // SAFETY: the loads begin at 8·len + 8 at most and read 8 words, which the assertion allows.
-            let load = |at: usize| unsafe { _mm256_loadu_ps(base.add(at)) };
-            let along = _mm256_sub_ps(load(row(z)), origin_z);
-            sheared_x[corner] = _mm256_sub_ps(_mm256_sub_ps(load(row(x)), origin_x), _mm256_mul_ps(shear_x, along));
-            sheared_y[corner] = _mm256_sub_ps(_mm256_sub_ps(load(row(y)), origin_y), _mm256_mul_ps(shear_y, along));
+        let mut sheared = [[_mm256_setzero_ps(); 2]; 3];
+        for (k, corner) in sheared.iter_mut().enumerate() {
+            if pool == 0 {
+                let row = |axis: usize| (3 * k + axis) * len + begin;
+                *corner = shear(row(x), row(y), row(z));
+            } else {
+                // SAFETY: eight of the 48 bytes of indices, which begin at 3·pool words.
+                let bytes = unsafe { _mm_loadl_epi64(base.add(3 * pool + 4 * k + begin / 4).cast()) };
+                let indices = _mm256_cvtepu8_epi32(bytes);
+                // Bit 3 of an index selects the half; blending looks at the sign bit.
+                let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(indices));
+                for (axis, coordinate) in corner.iter_mut().enumerate() {
+                    let low = _mm256_permutevar8x32_ps(halves[0][axis], indices);
+                    let high = _mm256_permutevar8x32_ps(halves[1][axis], indices);
+                    *coordinate = _mm256_blendv_ps(low, high, upper);
+                }
+            }
         }
-        let ([ax, bx, cx], [ay, by, cy]) = (sheared_x, sheared_y);
+        let [[ax, ay], [bx, by], [cx, cy]] = sheared;
         let edge = |px, py, qx, qy| _mm256_sub_ps(_mm256_mul_ps(px, qy), _mm256_mul_ps(py, qx));
         let zero = _mm256_setzero_ps();
         let (mut negative, mut positive) = (zero, zero);

@@ -1,6 +1,7 @@
 //! The kernel in AVX-512: sixteen lanes.
 #![allow(unsafe_code)]
 
+use super::super::block::Block;
 use super::super::slab::SlabRay;
 use super::WideTree;
 use super::kernel::{Enters, Kernel, octant};
@@ -74,9 +75,9 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn candidates(self, ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
+    fn candidates(self, ray: &ShearedRay, block: &Block) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { candidates(ray, words, len) }
+        unsafe { candidates(ray, block) }
     }
 }
 
@@ -127,39 +128,50 @@ fn enter(ray: &Avx512Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u
     }
 }
 
-/// Edge functions in f32: rounding is monotone, so a sign other than zero is right, and a triangle with edges of
-/// both signs is not met.
+/// Edge functions in f32: rounding is monotone, so a sign other than zero is right, and a triangle with edges of both
+/// signs is not met.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn candidates(ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
-    assert!(words.len() >= 9 * len + 16);
-    // SAFETY: the loads begin at 8·len at most and read 16 words, which the assertion allows.
+fn candidates(ray: &ShearedRay, block: &Block) -> u32 {
+    let (len, pool) = (block.len, block.pool);
+    assert!(block.words.len() >= if pool == 0 { 9 * len + 16 } else { 3 * pool + 16 });
+    let base = block.words.as_ptr().cast::<f32>();
+    let [x, y, z] = ray.axes;
+    let origin = |axis: usize| _mm512_set1_ps(ray.origin[axis]);
+    let (origin_x, origin_y, origin_z) = (origin(x), origin(y), origin(z));
+    let (shear_x, shear_y) = (_mm512_set1_ps(ray.shear_x), _mm512_set1_ps(ray.shear_y));
+    let mut sheared = [(_mm512_setzero_ps(), _mm512_setzero_ps()); 3];
+    // SAFETY: plain loads begin at 8·len at most, pooled ones at 2·pool and indices at 3·pool + 8; each reads 16 words, or
+    // 4 for indices, which the assertion allows.
     unsafe {
-        let base = words.as_ptr().cast::<f32>();
-        let [x, y, z] = ray.axes;
-        let origin = |axis: usize| _mm512_set1_ps(ray.origin[axis]);
-        let (origin_x, origin_y, origin_z) = (origin(x), origin(y), origin(z));
-        let (shear_x, shear_y) = (_mm512_set1_ps(ray.shear_x), _mm512_set1_ps(ray.shear_y));
-        let corner = |k: usize| {
-            let load = |axis: usize| _mm512_loadu_ps(base.add((3 * k + axis) * len));
-            let along = _mm512_sub_ps(load(z), origin_z);
+        let shear = |at_x: usize, at_y: usize, at_z: usize| {
+            let along = _mm512_sub_ps(_mm512_loadu_ps(base.add(at_z)), origin_z);
+            let across_x = _mm512_sub_ps(_mm512_loadu_ps(base.add(at_x)), origin_x);
+            let across_y = _mm512_sub_ps(_mm512_loadu_ps(base.add(at_y)), origin_y);
             (
-                _mm512_sub_ps(_mm512_sub_ps(load(x), origin_x), _mm512_mul_ps(shear_x, along)),
-                _mm512_sub_ps(_mm512_sub_ps(load(y), origin_y), _mm512_mul_ps(shear_y, along)),
+                _mm512_sub_ps(across_x, _mm512_mul_ps(shear_x, along)),
+                _mm512_sub_ps(across_y, _mm512_mul_ps(shear_y, along)),
             )
         };
-        let (ax, ay) = corner(0);
-        let (bx, by) = corner(1);
-        let (cx, cy) = corner(2);
-        let edge = |px, py, qx, qy| _mm512_sub_ps(_mm512_mul_ps(px, qy), _mm512_mul_ps(py, qx));
-        let u = edge(cx, cy, bx, by);
-        let v = edge(ax, ay, cx, cy);
-        let w = edge(bx, by, ax, ay);
-        let zero = _mm512_setzero_ps();
-        let below = |x| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(x, zero);
-        let above = |x| _mm512_cmp_ps_mask::<_CMP_GT_OQ>(x, zero);
-        let negative = below(u) | below(v) | below(w);
-        let positive = above(u) | above(v) | above(w);
-        u32::from(!(negative & positive)) & ((1 << len) - 1)
+        if pool == 0 {
+            for (k, corner) in sheared.iter_mut().enumerate() {
+                *corner = shear((3 * k + x) * len, (3 * k + y) * len, (3 * k + z) * len);
+            }
+        } else {
+            let (points_x, points_y) = shear(x * pool, y * pool, z * pool);
+            for (k, corner) in sheared.iter_mut().enumerate() {
+                let indices = _mm512_cvtepu8_epi32(_mm_loadu_si128(base.add(3 * pool + 4 * k).cast()));
+                *corner = (_mm512_permutexvar_ps(indices, points_x), _mm512_permutexvar_ps(indices, points_y));
+            }
+        }
     }
+    let [(ax, ay), (bx, by), (cx, cy)] = sheared;
+    let edge = |px, py, qx, qy| _mm512_sub_ps(_mm512_mul_ps(px, qy), _mm512_mul_ps(py, qx));
+    let zero = _mm512_setzero_ps();
+    let (mut negative, mut positive) = (0, 0);
+    for side in [edge(cx, cy, bx, by), edge(ax, ay, cx, cy), edge(bx, by, ax, ay)] {
+        negative |= _mm512_cmp_ps_mask::<_CMP_LT_OQ>(side, zero);
+        positive |= _mm512_cmp_ps_mask::<_CMP_GT_OQ>(side, zero);
+    }
+    u32::from(!(negative & positive)) & ((1 << len) - 1)
 }

@@ -11,8 +11,8 @@ pub struct Collapsed {
     pub nodes: Vec<WideNode>,
     /// Places for the leaves; those of one node lie together.
     pub leaves: Vec<Leaf>,
-    /// Grains that the leaves fill.
-    pub grains: u32,
+    /// The order in which they lie there.
+    pub planner: Planner,
 }
 
 /// A part of a treelet: a plane with its two sides, a child that stays, or nothing.
@@ -79,12 +79,13 @@ impl Treelet {
     }
 }
 
-/// Collapses a binary tree.
-pub fn collapse(built: &Built) -> Collapsed {
+/// Collapses a binary tree whose leaves (in their order) are to have pools of these sizes.
+pub fn collapse(built: &Built, pools: &[u32]) -> Collapsed {
     let mut planner = Planner::default();
-    let mut leaves = vec![Leaf { first: 0, count: 0 }; built.leaf_count()];
+    let mut leaves = vec![Leaf { first: 0, count: 0, pool: 0 }; pools.len()];
     let leaf_numbers = built.leaf_numbers();
     let mut nodes = Vec::new();
+    let (mut small, mut large) = (Vec::new(), Vec::new());
     // Nodes to be made: place among the nodes, and the binary cell.
     let mut tasks = Vec::new();
     if !built.cells.is_empty() {
@@ -103,25 +104,33 @@ pub fn collapse(built: &Built) -> Collapsed {
             let slot = node.count as usize;
             slot_of_part[part] = slot;
             node.count += 1;
-            let child = match built.cells[cell].kind {
-                BuiltKind::Split { .. } => {
-                    nodes.push(WideNode::empty());
-                    tasks.push((nodes.len() - 1, cell));
-                    Child::Node(nodes.len() as u32 - 1)
-                }
-                BuiltKind::Leaf { count } => {
-                    let leaf = planner.place(count);
-                    leaves[leaf_numbers[cell] as usize] = leaf;
-                    let offset = leaf.first - node.leaf_base;
-                    if count as usize <= WIDTH { Child::Leaf(offset, count as usize) } else { Child::Large(offset) }
-                }
-            };
             let empty = matches!(built.cells[cell].kind, BuiltKind::Leaf { count: 0 });
             if !empty {
                 node.set_bounds(slot, &built.cells[cell].bounds);
             }
-            node.children[slot] = child.encode();
+            match built.cells[cell].kind {
+                BuiltKind::Split { .. } => {
+                    nodes.push(WideNode::empty());
+                    tasks.push((nodes.len() - 1, cell));
+                    node.children[slot] = Child::Node(nodes.len() as u32 - 1).encode();
+                }
+                BuiltKind::Leaf { count } if count as usize <= WIDTH => small.push((slot, cell, count)),
+                BuiltKind::Leaf { count } => large.push((slot, cell, count)),
+            }
         });
+        // Small leaves first: their words have few bits for the place.
+        for (slot, cell, count) in small.drain(..).chain(large.drain(..)) {
+            let number = leaf_numbers[cell];
+            let leaf = planner.place(number, count, pools[number as usize]);
+            leaves[number as usize] = leaf;
+            let offset = leaf.first - node.leaf_base;
+            let child = if count as usize <= WIDTH {
+                Child::Leaf(Leaf { first: offset, ..leaf })
+            } else {
+                Child::Large(offset)
+            };
+            node.children[slot] = child.encode();
+        }
         tasks[first_task..].reverse();
         for octant in 0..4 {
             let mut place = 0;
@@ -136,5 +145,5 @@ pub fn collapse(built: &Built) -> Collapsed {
         }
         nodes[place] = node;
     }
-    Collapsed { nodes: settle(&nodes), leaves, grains: planner.next() }
+    Collapsed { nodes: settle(&nodes), leaves, planner }
 }

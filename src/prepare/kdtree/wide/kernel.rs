@@ -1,5 +1,6 @@
 //! What a tier of vector instructions has to bring.
 
+use super::super::block::Block;
 use super::super::slab::SlabRay;
 use super::node::{WIDTH, WideNode};
 use crate::math::triangle::ShearedRay;
@@ -20,9 +21,9 @@ pub trait Kernel: Copy {
     /// Which children of a node the ray enters up to `limit`, and where: in the order in which the ray passes them.
     fn enter(self, ray: &Self::Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32;
 
-    /// Which of the `len` triangles of a leaf block the ray's line may meet: at least all that it does. `words` reach 16
-    /// words beyond the block.
-    fn candidates(self, ray: &ShearedRay, words: &[u32], len: usize) -> u32;
+    /// Which of a leaf block's triangles the ray's line may meet: at least all that it does. The block's words reach 64
+    /// words beyond its end.
+    fn candidates(self, ray: &ShearedRay, block: &Block) -> u32;
 }
 
 /// The sign bits of a direction: x, y, z from the lowest.

@@ -18,7 +18,7 @@ mod stack;
 mod traverse;
 pub mod validate;
 
-use super::leaves::LeafStore;
+use super::leaves::{Leaf, LeafStore};
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
 use node::{Child, WideNode};
@@ -42,7 +42,7 @@ impl WideTree<'_> {
                     prefetch::lines::<7, _>(node);
                 }
             }
-            Child::Leaf(offset, _) | Child::Large(offset) => {
+            Child::Leaf(Leaf { first: offset, .. }) | Child::Large(offset) => {
                 if let Some(words) = self.leaves.begin(parent.leaf_base + offset) {
                     prefetch::lines::<4, _>(words);
                 }

@@ -1,6 +1,7 @@
 //! The layout of a wide node.
 
 use super::super::bounds::Bounds;
+use super::super::leaves::Leaf;
 
 /// Children that a node may have.
 pub const WIDTH: usize = 16;
@@ -30,17 +31,19 @@ pub struct WideNode {
 const LEAF: u32 = 1 << 31;
 const LARGE: u32 = 1 << 30;
 const COUNT_SHIFT: u32 = 26;
-/// Grains that a leaf may lie behind its node's base.
-pub const MAX_OFFSET: u32 = (1 << COUNT_SHIFT) - 1;
+const POOL_SHIFT: u32 = 21;
+/// Grains that a leaf of up to 16 references may lie behind its node's base; a node's leaves of that kind come first, and
+/// take less than 16 times 20 grains.
+pub const MAX_OFFSET: u32 = (1 << POOL_SHIFT) - 1;
 
 /// What is in a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Child {
     /// Another node.
     Node(u32),
-    /// A leaf of 1 to 16 references, so many grains behind the node's base.
-    Leaf(u32, usize),
-    /// A leaf of more references; the grain before it holds their number.
+    /// A leaf of 1 to 16 references; its place counts from the node's base.
+    Leaf(Leaf),
+    /// A leaf of more references, so many grains behind the node's base; the grain before it holds their number.
     Large(u32),
 }
 
@@ -49,7 +52,9 @@ impl Child {
     pub fn encode(self) -> u32 {
         match self {
             Self::Node(at) => at,
-            Self::Leaf(offset, count) => LEAF | ((count as u32).wrapping_sub(1) & 15) << COUNT_SHIFT | offset,
+            Self::Leaf(leaf) => {
+                LEAF | (leaf.count.wrapping_sub(1) & 15) << COUNT_SHIFT | leaf.pool << POOL_SHIFT | leaf.first
+            }
             Self::Large(offset) => LEAF | LARGE | offset,
         }
     }
@@ -60,9 +65,10 @@ impl Child {
         if word & LEAF == 0 {
             Self::Node(word)
         } else if word & LARGE == 0 {
-            Self::Leaf(word & MAX_OFFSET, ((word >> COUNT_SHIFT) & 15) as usize + 1)
+            let count = ((word >> COUNT_SHIFT) & 15) + 1;
+            Self::Leaf(Leaf { first: word & MAX_OFFSET, count, pool: (word >> POOL_SHIFT) & 31 })
         } else {
-            Self::Large(word & MAX_OFFSET)
+            Self::Large(word & (LARGE - 1))
         }
     }
 }
@@ -103,7 +109,8 @@ mod tests {
     #[test]
     fn a_node_fills_eight_cache_lines_and_words_round_trip() {
         assert_eq!(size_of::<WideNode>(), 512);
-        for child in [Child::Node(77), Child::Leaf(12345, 1), Child::Leaf(MAX_OFFSET, 16), Child::Large(5)] {
+        let leaf = |first, count, pool| Child::Leaf(Leaf { first, count, pool });
+        for child in [Child::Node(77), leaf(12345, 1, 0), leaf(MAX_OFFSET, 16, 16), leaf(0, 3, 5), Child::Large(5)] {
             assert_eq!(Child::decode(child.encode()), child);
         }
     }

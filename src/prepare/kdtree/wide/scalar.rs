@@ -1,6 +1,6 @@
 //! The kernel in plain code.
 
-use super::super::leaves::Block;
+use super::super::block::Block;
 use super::super::slab::SlabRay;
 use super::kernel::{Enters, Kernel, octant};
 use super::node::{WIDTH, WideNode};
@@ -39,8 +39,7 @@ impl Kernel for Scalar {
     }
 
     #[inline]
-    fn candidates(self, ray: &ShearedRay, words: &[u32], len: usize) -> u32 {
-        let block = Block { len, words };
-        (0..len).map(|i| u32::from(ray.meet(block.corners(i), 0).is_some()) << i).sum()
+    fn candidates(self, ray: &ShearedRay, block: &Block) -> u32 {
+        (0..block.len).map(|i| u32::from(ray.meet(block.corners(i), 0).is_some()) << i).sum()
     }
 }

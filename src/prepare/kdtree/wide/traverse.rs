@@ -1,6 +1,7 @@
 //! The walk through wide nodes, for any kernel.
 
-use super::super::leaves::Block;
+use super::super::block::Block;
+use super::super::leaves::Leaf;
 use super::super::slab::SlabRay;
 use super::WideTree;
 use super::kernel::{Kernel, octant};
@@ -60,18 +61,15 @@ pub fn nearest<const ANY: bool, K: Kernel>(
         // Test leaves until there is a node to enter.
         loop {
             if let Some(word) = next {
-                let (first, count) = match Child::decode(word) {
+                let leaf = match Child::decode(word) {
                     Child::Node(at) => {
                         node = &tree.nodes[at as usize];
                         break;
                     }
-                    Child::Leaf(offset, count) => (owner.leaf_base + offset, count),
-                    Child::Large(offset) => {
-                        let first = owner.leaf_base + offset;
-                        (first, tree.leaves.count_before(first) as usize)
-                    }
+                    Child::Leaf(leaf) => Leaf { first: owner.leaf_base + leaf.first, ..leaf },
+                    Child::Large(offset) => tree.leaves.large(owner.leaf_base + offset),
                 };
-                for block in tree.leaves.blocks(first, count) {
+                for block in tree.leaves.blocks(leaf) {
                     if walk.test_block(block, &mut accept) && ANY {
                         return walk.nearest.hit;
                     }
@@ -102,7 +100,7 @@ impl<K: Kernel> Walk<K> {
     /// Tests a block; whether a hit was accepted.
     #[inline(always)]
     fn test_block(&mut self, block: Block, accept: &mut impl FnMut(&Hit) -> bool) -> bool {
-        let mut candidates = self.kernel.candidates(&self.sheared, block.words, block.len);
+        let mut candidates = self.kernel.candidates(&self.sheared, &block);
         let mut found = false;
         while candidates != 0 {
             let i = candidates.trailing_zeros() as usize;

@@ -1,6 +1,7 @@
 //! Checks wide nodes against the binary tree that they were made from.
 
 use super::super::binary;
+use super::super::leaves::Leaf;
 use super::super::validate::LeafBoxes;
 use super::WideTree;
 use super::node::{Child, WIDTH};
@@ -10,11 +11,11 @@ use std::collections::BTreeSet;
 ///
 /// Gives the boxes of the leaves; whether they hold what the cells hold of the triangles, `kdtree::validate` looks at.
 pub fn check(tree: WideTree, binary: binary::Tree) -> Result<LeafBoxes, String> {
-    let expected: BTreeSet<(u32, u32)> = binary
+    let expected: BTreeSet<Leaf> = binary
         .nodes
         .iter()
         .filter_map(|node| match node.view() {
-            binary::View::Leaf(leaf) if leaf.count > 0 => Some((leaf.first, leaf.count)),
+            binary::View::Leaf(leaf) if leaf.count > 0 => Some(leaf),
             _ => None,
         })
         .collect();
@@ -45,10 +46,10 @@ pub fn check(tree: WideTree, binary: binary::Tree) -> Result<LeafBoxes, String> 
                     }
                     continue;
                 }
-                Child::Leaf(offset, count) => (node.leaf_base + offset, count as u32),
-                Child::Large(offset) => (node.leaf_base + offset, tree.leaves.count_before(node.leaf_base + offset)),
+                Child::Leaf(leaf) => Leaf { first: node.leaf_base + leaf.first, ..leaf },
+                Child::Large(offset) => tree.leaves.large(node.leaf_base + offset),
             };
-            boxes.insert(leaf.0, node.bounds(slot));
+            boxes.insert(leaf.first, node.bounds(slot));
             if !found.insert(leaf) {
                 return Err(format!("leaf {leaf:?} is in two wide nodes"));
             }

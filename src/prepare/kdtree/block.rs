@@ -1,0 +1,153 @@
+//! A leaf block: up to 16 triangles for a kernel to test at once, in one of two forms.
+//!
+//! *Plain*: ten arrays of a word for each triangle: x, y, z of the first corners, of the second, of the third, and the
+//! triangles' numbers. *Pooled*: neighbours in a mesh share corners, so that up to 16 different ones are kept once: x, y, z
+//! in three arrays, three times sixteen bytes that say which is a triangle's first, second and third corner, and the
+//! triangles' numbers. That is less than half as much to fetch, and each corner is sheared once.
+
+use super::Triangles;
+use super::split::BLOCK;
+
+/// Words of a triangle in a plain block.
+const PLAIN: usize = 10;
+/// Words of the indices in a pooled block.
+const INDICES: usize = 12;
+
+/// A block of up to 16 references.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<'a> {
+    /// References in it.
+    pub len: usize,
+    /// Different corners in a pooled block; 0 for a plain one.
+    pub pool: usize,
+    /// Its words, and whatever follows.
+    pub words: &'a [u32],
+}
+
+/// Words that a block takes.
+#[inline(always)]
+pub fn words_of(len: usize, pool: usize) -> usize {
+    if pool == 0 { PLAIN * len } else { 3 * pool + INDICES + len }
+}
+
+impl Block<'_> {
+    /// The corners of a reference's triangle.
+    #[inline(always)]
+    pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
+        let at = |k: usize| f32::from_bits(self.words[k]);
+        if self.pool == 0 {
+            let n = self.len;
+            return [0, 3, 6].map(|k| [at(k * n + i), at((k + 1) * n + i), at((k + 2) * n + i)]);
+        }
+        let n = self.pool;
+        [0, 1, 2].map(|k| {
+            let word = self.words[3 * n + 4 * k + i / 4];
+            let point = (word >> (8 * (i % 4))) as usize & (BLOCK - 1);
+            [at(point), at(n + point), at(2 * n + point)]
+        })
+    }
+
+    /// The number of a reference's triangle.
+    #[inline(always)]
+    pub fn triangle(&self, i: usize) -> u32 {
+        self.words[words_of(self.len, self.pool) - self.len + i]
+    }
+}
+
+/// The different corners of a block's triangles, told apart by their bits.
+struct Pool {
+    points: [[u32; 3]; BLOCK],
+    len: usize,
+    indices: [[u8; BLOCK]; 3],
+}
+
+impl Pool {
+    /// `None` when there are more than 16 of them.
+    fn find<T: Triangles>(ids: &[u32], triangles: &T) -> Option<Self> {
+        let mut pool = Self { points: [[0; 3]; BLOCK], len: 0, indices: [[0; BLOCK]; 3] };
+        for (i, &id) in ids.iter().enumerate() {
+            for (k, corner) in triangles.vertices(id).into_iter().enumerate() {
+                let point = corner.to_array().map(f32::to_bits);
+                let known = pool.points[..pool.len].iter().position(|p| *p == point);
+                let at = known.unwrap_or(pool.len);
+                if known.is_none() {
+                    *pool.points.get_mut(at)? = point;
+                    pool.len += 1;
+                }
+                *pool.indices[k].get_mut(i)? = at as u8;
+            }
+        }
+        Some(pool)
+    }
+}
+
+/// The size of the pool that a block of these triangles should have: 0 where a plain block is smaller.
+pub fn pool_size<T: Triangles>(ids: &[u32], triangles: &T) -> usize {
+    if ids.is_empty() || ids.len() > BLOCK {
+        return 0;
+    }
+    let pool = Pool::find(ids, triangles).map_or(0, |pool| pool.len);
+    if words_of(ids.len(), pool) < words_of(ids.len(), 0) { pool } else { 0 }
+}
+
+/// Writes a block to `words`, which are as many as it takes.
+pub fn write<T: Triangles>(words: &mut [u32], ids: &[u32], pool: usize, triangles: &T) {
+    let n = ids.len();
+    words[words_of(n, pool) - n..].copy_from_slice(ids);
+    if pool > 0
+        && let Some(found) = Pool::find(ids, triangles)
+    {
+        for (i, point) in found.points[..pool].iter().enumerate() {
+            for axis in 0..3 {
+                words[axis * pool + i] = point[axis];
+            }
+        }
+        for (word, bytes) in words[3 * pool..].iter_mut().zip(found.indices.as_flattened().chunks_exact(4)) {
+            *word = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        }
+        return;
+    }
+    for (i, &id) in ids.iter().enumerate() {
+        let coordinates = triangles.vertices(id).map(|v| v.to_array());
+        for (k, x) in coordinates.as_flattened().iter().enumerate() {
+            words[k * n + i] = x.to_bits();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    struct Fan(usize);
+
+    impl Triangles for Fan {
+        fn len(&self) -> usize {
+            self.0
+        }
+
+        fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+            let rim = |i: u32| Vec3::new(i as f32, (i * i) as f32, -(i as f32));
+            [Vec3::ZERO, rim(triangle), rim(triangle + 1)]
+        }
+    }
+
+    #[test]
+    fn both_forms_give_back_what_was_written() {
+        for n in 1..=16usize {
+            let ids: Vec<u32> = (0..n as u32).map(|i| i + 3).collect();
+            for pool in [0, pool_size(&ids, &Fan(30))] {
+                let mut words = vec![0; words_of(n, pool)];
+                write(&mut words, &ids, pool, &Fan(30));
+                let block = Block { len: n, pool, words: &words };
+                for (i, &id) in ids.iter().enumerate() {
+                    assert_eq!(block.triangle(i), id);
+                    assert_eq!(block.corners(i), Fan(30).vertices(id).map(|v| v.to_array()));
+                }
+            }
+        }
+        assert_eq!(pool_size(&(0..14).collect::<Vec<_>>(), &Fan(30)), 16, "14 triangles of a fan have 16 corners");
+        assert_eq!(pool_size(&(0..15).collect::<Vec<_>>(), &Fan(30)), 0, "15 have one too many");
+    }
+}
