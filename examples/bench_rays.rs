@@ -7,6 +7,8 @@
 //! by pass, on one thread; the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
 //! mesh and the rays as files and is asked for passes over its standard input.
 
+#![allow(clippy::disallowed_methods)]
+
 #[path = "bench_rays/embree.rs"]
 mod embree;
 #[path = "bench_rays/meshes.rs"]

@@ -1,17 +1,13 @@
 //! Runs the importer over folders of sound and of malformed files, which are not part of the repository.
-//! `KILN_SHARED` names the place that holds them; without it these tests say so and do nothing.
+//! `KILN_SHARED` names the place that holds them; without it these tests say so and do nothing, unless
+//! `KILN_REQUIRE_SHARED` is set.
+
+mod shared;
 
 use kiln_formats::{Control, ErrorCode, ImportError, ImportOptions, Imported, Place, import};
+use shared::shared;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-fn shared(what: &str) -> Option<PathBuf> {
-    let Some(root) = std::env::var_os("KILN_SHARED") else {
-        println!("skipped: KILN_SHARED is not set");
-        return None;
-    };
-    Some(Path::new(&root).join(what))
-}
 
 /// All .gltf and .glb files below a folder, sorted.
 fn assets(folder: &Path) -> Vec<PathBuf> {
