@@ -1,7 +1,7 @@
 //! The binary kd-tree and its traversal by planes, in plain code: the definition of what the tree finds.
 
 use super::bounds::Bounds;
-use super::build::{Built, BuiltKind};
+use super::built::{Built, BuiltKind};
 use super::leaves::{Leaf, LeafStore};
 use super::slab::SlabRay;
 use super::split::{MAX_DEPTH, Plane};
@@ -44,7 +44,7 @@ impl Node {
 /// Compiles the built cells to nodes; `leaves` are the leaves in their order.
 pub fn compile(built: &Built, leaves: &[Leaf]) -> Vec<Node> {
     let mut leaves = leaves.iter();
-    let node = |(i, cell): (usize, &super::build::BuiltCell)| match cell.kind {
+    let node = |(i, cell): (usize, &super::built::BuiltCell)| match cell.kind {
         BuiltKind::Split { plane, right } => {
             Node { plane_or_count: plane.at.to_bits(), word: (i as u32 + right) << 2 | plane.axis as u32 }
         }

@@ -6,7 +6,7 @@
 use super::Triangles;
 use super::aligned::AlignedWords;
 use super::block::{self, Block, words_of};
-use super::build::{Built, BuiltKind};
+use super::built::{Built, BuiltKind};
 use super::split::BLOCK;
 use rayon::prelude::*;
 

@@ -9,6 +9,7 @@ mod binary;
 mod block;
 mod bounds;
 mod build;
+mod built;
 mod clip;
 mod leaves;
 mod median;

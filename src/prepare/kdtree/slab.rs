@@ -14,6 +14,7 @@
 //! `enter > nearest hit` or `enter > leave` finds what brute force finds.
 
 use crate::math::Ray;
+use glam::Vec3;
 
 /// 20 u: see above.
 pub const RELATIVE_ERROR: f32 = 20.0 / 16_777_216.0;
@@ -62,37 +63,44 @@ impl SlabRay {
         let exponent = (dir.abs().max_element().to_bits() >> 23) & 0xff;
         let scale = f32::from_bits(exponent << 23);
         let shrink = if exponent < 254 { f32::from_bits((254 - exponent) << 23) } else { 0.5 * f32::MIN_POSITIVE };
+        let d = dir * shrink;
+        let inv = d.recip();
+        let (enter_inv, leave_inv) = (inv * (1.0 - RELATIVE_ERROR), inv * (1.0 + RELATIVE_ERROR));
+        let (enter_from, leave_from) = (ray.origin * enter_inv, ray.origin * leave_inv);
+        let slack = leave_from.abs() * OFFSET_ERROR;
         let mut slab = Self {
-            enter_inv: [HUGE; 3],
-            enter_add: [0.0; 3],
-            leave_inv: [HUGE; 3],
-            leave_add: [0.0; 3],
-            octant: 0,
+            enter_inv: enter_inv.to_array(),
+            enter_add: (-enter_from - slack).to_array(),
+            leave_inv: leave_inv.to_array(),
+            leave_add: (slack - leave_from).to_array(),
+            octant: usize::from(d.x < 0.0) | usize::from(d.y < 0.0) << 1 | usize::from(d.z < 0.0) << 2,
             stop_factor: 1.0 + 8.0 * RELATIVE_ERROR,
-            stop_add: 0.0,
+            stop_add: 4.0 * (slack.x + slack.y + slack.z),
             scale: scale / longer,
         };
-        for axis in 0..3 {
-            let d = dir[axis] * shrink;
-            let origin = ray.origin[axis];
-            let mut slack = 0.0;
-            if d.abs() >= PARALLEL {
-                let inv = 1.0 / d;
-                slab.octant |= usize::from(d < 0.0) << axis;
-                slab.enter_inv[axis] = inv * (1.0 - RELATIVE_ERROR);
-                slab.leave_inv[axis] = inv * (1.0 + RELATIVE_ERROR);
-            } else {
-                // Inside for ever or never; a ray within a plane is on both of its sides.
-                slack = FAR;
-                slab.stop_factor = f32::INFINITY;
-            }
-            let (enter, leave) = (origin * slab.enter_inv[axis], origin * slab.leave_inv[axis]);
-            slack += leave.abs() * OFFSET_ERROR;
-            slab.enter_add[axis] = -enter - slack;
-            slab.leave_add[axis] = -leave + slack;
-            slab.stop_add += 4.0 * slack;
+        if d.x.abs() < PARALLEL || d.y.abs() < PARALLEL || d.z.abs() < PARALLEL {
+            slab.mend_parallel(ray, d);
         }
         slab
+    }
+
+    /// Axes along which the ray does not move: it is inside for ever or never, and within a plane it is on both sides.
+    #[cold]
+    #[inline(never)]
+    fn mend_parallel(&mut self, ray: &Ray, d: Vec3) {
+        for axis in 0..3 {
+            if d[axis].abs() < PARALLEL {
+                let from = ray.origin[axis] * HUGE;
+                let slack = FAR + from.abs() * OFFSET_ERROR;
+                self.enter_inv[axis] = HUGE;
+                self.leave_inv[axis] = HUGE;
+                self.enter_add[axis] = -from - slack;
+                self.leave_add[axis] = -from + slack;
+                self.octant &= !(1 << axis);
+            }
+        }
+        self.stop_factor = f32::INFINITY;
+        self.stop_add = f32::INFINITY;
     }
 
     /// Whether the direction is negative on an axis.

@@ -16,6 +16,8 @@ mod prefetch;
 mod scalar;
 mod stack;
 mod traverse;
+#[cfg(test)]
+mod twin_tests;
 pub mod validate;
 
 use super::leaves::{Leaf, LeafStore};
