@@ -1,6 +1,7 @@
 use crate::geometry::Attributes;
 use crate::geometry::emission;
 use crate::geometry::textures::{color, lookup, scalar};
+use crate::lighting::Receiver;
 use crate::math::Frame;
 use crate::math::Hit;
 use crate::math::float_error::{gamma, offset_point};
@@ -84,6 +85,11 @@ impl Vertex {
     pub(super) fn local_of(&self, wi: Vec3) -> Option<Vec3> {
         let wi_local = self.frame.to_local(wi);
         ((wi.dot(self.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi_local)
+    }
+
+    /// The vertex as a receiver of light.
+    pub(super) fn receiver(&self) -> Receiver {
+        Receiver { point: self.point, normal: self.normal, both_sides: self.bsdf.transmits_smoothly() }
     }
 
     /// Where a ray towards `direction` begins.

@@ -228,7 +228,7 @@ mod tests {
     fn sampling_matches_its_density_and_the_integral() {
         for (up, rotation) in [(UpAxis::Y, 0.0), (UpAxis::Y, 1.0), (UpAxis::Z, -2.5)] {
             let map = environment(up, rotation);
-            let n = 256;
+            let n = 1024;
             let (mut by_importance, mut by_uniform, mut density) = (0.0, 0.0, 0.0);
             let uniform = Environment::Constant(Vec3::ONE);
             for k in 0..n * n {
@@ -242,7 +242,7 @@ mod tests {
             }
             let n = f64::from(n * n);
             assert!((by_importance / by_uniform - 1.0).abs() < 0.01, "{} {}", by_importance / n, by_uniform / n);
-            assert!((density / n - 1.0).abs() < 0.01);
+            assert!((density / n - 1.0).abs() < 0.01, "{}", density / n);
             let mean = f64::from(map.mean().x) * 4.0 * std::f64::consts::PI;
             assert!((by_importance / n / mean - 1.0).abs() < 0.02);
         }

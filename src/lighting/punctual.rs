@@ -1,3 +1,4 @@
+use super::bounds::EmitterBounds;
 use crate::geometry::WorldFrame;
 use crate::math::Frame;
 use crate::settings::PrepareSettings;
@@ -107,6 +108,27 @@ impl PunctualLight {
                 let cone = ((cosine - none) / (full - none)).clamp(0.0, 1.0);
                 sample(direction, (cone * cone) as f32 * Self::falloff(falloff, d), Some(self.position))
             }
+        }
+    }
+
+    /// Bounds for choosing among lights that have a place and fall off with the square of the distance.
+    pub fn bounds(&self) -> Option<EmitterBounds> {
+        let power = crate::math::luminance(self.color);
+        match &self.kind {
+            LightKind::Point { falloff: Falloff::InverseSquare { .. }, extent } => {
+                let bounds = EmitterBounds::point(self.position, power);
+                Some(match *extent {
+                    Extent::Point | Extent::Disc { .. } => bounds,
+                    Extent::Parallelogram { u, v } => {
+                        let [u, v] = [u, v].map(|e| (e / self.world).as_vec3());
+                        [u + v, u - v, v - u, -u - v].into_iter().fold(bounds, |b, e| b.with(self.position + e))
+                    }
+                })
+            }
+            LightKind::Spot { falloff: Falloff::InverseSquare { .. }, outer, .. } => {
+                Some(EmitterBounds::cone(self.position, self.direction, *outer, power))
+            }
+            _ => None,
         }
     }
 
