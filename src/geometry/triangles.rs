@@ -163,9 +163,9 @@ impl Geometry {
             .then(|| (0..3).map(|k| Vec3::from(mesh.normals[v[k]]).normalize_or_zero() * b[k]).sum::<Vec3>())
             .and_then(|n| (part.normal_matrix * n).try_normalize());
         let tangent = (!mesh.tangents.is_empty()).then(|| {
-            let xyz = mesh.tangents[v[0]];
-            let mixed = mix4(&mesh.tangents).truncate();
-            (part.direction_matrix * mixed, xyz[3])
+            // A mirrored placement turns the cross product of normal and tangent around, but not the bitangent.
+            let handedness = mesh.tangents[v[0]][3] * part.winding;
+            (part.direction_matrix * mix4(&mesh.tangents).truncate(), handedness)
         });
         let color = if mesh.colors.is_empty() { Vec4::ONE } else { mix4(&mesh.colors) };
         Attributes { uv: uv_at(mesh, v, b), color, normal, tangent }

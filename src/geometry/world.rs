@@ -1,5 +1,6 @@
 use glam::{DVec3, Vec3};
 use kiln_formats::Scene;
+use kiln_formats::scene::Mesh;
 
 /// The frame that rays live in: the asset's world, moved so that its centre is the origin and scaled by a power of
 /// two so that its largest extent lies in [1, 2).
@@ -27,7 +28,12 @@ impl WorldFrame {
 
     /// A world point in the rays' frame.
     pub fn point(&self, world: DVec3) -> Vec3 {
-        ((world - self.center) * self.scale).as_vec3()
+        self.exact_point(world).as_vec3()
+    }
+
+    /// A world point in the rays' frame, in double precision.
+    pub fn exact_point(&self, world: DVec3) -> DVec3 {
+        (world - self.center) * self.scale
     }
 
     /// A world vector in the rays' frame.
@@ -41,11 +47,14 @@ impl WorldFrame {
     }
 }
 
-/// World-space bounds of everything drawn: lower and upper corner, or nothing.
+/// World-space bounds of everything drawn: lower and upper corner, or nothing. Vertices that no triangle uses do not
+/// count.
 pub fn world_bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
+    let used: Vec<Vec<bool>> = scene.meshes.iter().map(used_vertices).collect();
     let mut bounds: Option<(DVec3, DVec3)> = None;
     for instance in &scene.instances {
-        for p in &scene.meshes[instance.mesh as usize].positions {
+        let positions = scene.meshes[instance.mesh as usize].positions.iter();
+        for (p, _) in positions.zip(&used[instance.mesh as usize]).filter(|(_, used)| **used) {
             let [x, y, z] = p.map(f64::from);
             let p = instance.transform.transform_point3(DVec3::new(x, y, z));
             if p.is_finite() {
@@ -54,4 +63,10 @@ pub fn world_bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
         }
     }
     bounds
+}
+
+fn used_vertices(mesh: &Mesh) -> Vec<bool> {
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.as_flattened().iter().for_each(|i| used[*i as usize] = true);
+    used
 }

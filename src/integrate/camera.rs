@@ -1,15 +1,18 @@
 use crate::geometry::WorldFrame;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use kiln_formats::scene::{Camera, Projection};
 
-/// A camera in the rays' frame.
+/// All geometry lies within this distance of the origin of the rays' frame (√3, as its extent lies below 2).
+const BEYOND_SCENE: f64 = 2.0;
+
+/// A camera in the rays' frame. Double precision, as it may be far away.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayCamera {
     projection: Projection,
-    origin: Vec3,
-    forward: Vec3,
-    right: Vec3,
-    up: Vec3,
+    origin: DVec3,
+    forward: DVec3,
+    right: DVec3,
+    up: DVec3,
 }
 
 impl RayCamera {
@@ -19,19 +22,22 @@ impl RayCamera {
         let unit = if perspective { 1.0 / camera.forward.length() } else { frame.scale() };
         Self {
             projection: camera.projection,
-            origin: frame.point(camera.origin),
-            forward: if perspective { camera.forward * unit } else { camera.forward.normalize() }.as_vec3(),
-            right: (camera.right * unit).as_vec3(),
-            up: (camera.up * unit).as_vec3(),
+            origin: frame.exact_point(camera.origin),
+            forward: if perspective { camera.forward * unit } else { camera.forward.normalize() },
+            right: camera.right * unit,
+            up: camera.up * unit,
         }
     }
 
     /// Origin and unit direction of the ray through the picture point (x, y) in [0, 1]², (0, 0) being the upper left.
-    pub(super) fn ray(&self, x: f32, y: f32) -> (Vec3, Vec3) {
+    /// From a distant camera it begins just before it can meet anything, where `f32` is fine enough.
+    pub(super) fn ray(&self, x: f64, y: f64) -> (Vec3, Vec3) {
         let across = self.right * (2.0 * x - 1.0) + self.up * (1.0 - 2.0 * y);
-        match self.projection {
+        let (origin, dir) = match self.projection {
             Projection::Perspective => (self.origin, (self.forward + across).normalize()),
             Projection::Orthographic => (self.origin + across, self.forward),
-        }
+        };
+        let skipped = (-origin.dot(dir) - BEYOND_SCENE).max(0.0);
+        ((origin + dir * skipped).as_vec3(), dir.as_vec3())
     }
 }

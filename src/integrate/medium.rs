@@ -1,6 +1,6 @@
 //! Absorption inside bodies (Beer–Lambert).
 
-use super::vertex::Vertex;
+use super::vertex::Place;
 use crate::prepare::PreparedScene;
 use glam::Vec3;
 use kiln_formats::scene::{MaterialId, Surface};
@@ -8,7 +8,7 @@ use kiln_formats::scene::{MaterialId, Surface};
 /// Transmittance of a body of this material over a distance in the rays' frame; 1 for materials that bound no body.
 ///
 /// Textures of k_t are read at (0, 0), as the base dialect does for bodies without coordinates.
-pub(super) fn transmittance(prepared: &PreparedScene, material: MaterialId, distance: f32) -> Vec3 {
+fn transmittance(prepared: &PreparedScene, material: MaterialId, distance: f32) -> Vec3 {
     let world = f64::from(distance) / prepared.frame.scale();
     let power = |base: f32, exponent: f64| {
         if base >= 1.0 || exponent == 0.0 {
@@ -40,22 +40,24 @@ pub(super) fn transmittance(prepared: &PreparedScene, material: MaterialId, dist
 pub(super) struct Inside(Option<MaterialId>);
 
 impl Inside {
-    /// Transmittance of the segment that ends at `vertex` after `distance`.
+    /// What the path is in, now that it has met `place`.
     ///
-    /// A surface met from its back says by itself that the segment lay inside its body, so a camera inside glass
+    /// A surface met from its back says by itself that the segment before lay inside its body, so a camera inside glass
     /// needs no special case.
-    pub(super) fn transmittance(self, prepared: &PreparedScene, vertex: &Vertex, distance: f32) -> Vec3 {
-        let behind = (!vertex.front && bounds_body(prepared, vertex.material)).then_some(vertex.material);
-        match self.0.or(behind) {
-            Some(material) => transmittance(prepared, material, distance),
-            None => Vec3::ONE,
-        }
+    pub(super) fn met(self, prepared: &PreparedScene, place: &Place) -> Self {
+        let behind = (!place.front && bounds_body(prepared, place.material)).then_some(place.material);
+        Self(self.0.or(behind))
     }
 
-    /// After the path went through the surface at `vertex`.
-    pub(super) fn crossed(self, prepared: &PreparedScene, vertex: &Vertex) -> Self {
-        match bounds_body(prepared, vertex.material) {
-            true if vertex.front => Self(Some(vertex.material)),
+    /// Transmittance of a segment inside, over a distance in the rays' frame.
+    pub(super) fn transmittance(self, prepared: &PreparedScene, distance: f32) -> Vec3 {
+        self.0.map_or(Vec3::ONE, |material| transmittance(prepared, material, distance))
+    }
+
+    /// After the path went through the surface at `place`.
+    pub(super) fn crossed(self, prepared: &PreparedScene, place: &Place) -> Self {
+        match bounds_body(prepared, place.material) {
+            true if place.front => Self(Some(place.material)),
             true => Self(None),
             false => self,
         }

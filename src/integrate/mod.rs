@@ -144,7 +144,8 @@ fn render_tile(
                 }
                 let mut sampler = PathSampler::new(settings.sampler, settings.seed, [x, y], sample);
                 let [dx, dy] = sampler.get_2d(0, Purpose::Pixel);
-                let ray = camera.ray((x as f32 + dx) / view.width as f32, (y as f32 + dy) / view.height as f32);
+                let across = |at: u32, within: f32, size: u32| (f64::from(at) + f64::from(within)) / f64::from(size);
+                let ray = camera.ray(across(x, dx, view.width), across(y, dy, view.height));
                 let path = path::trace_path(scene, settings, &mut sampler, ray, view.show_environment, &mut tile.rays);
                 if path.radiance.is_finite() {
                     sums.add(sample, path.radiance.extend(f32::from(u8::from(path.covered))).to_array());

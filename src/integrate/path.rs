@@ -3,7 +3,8 @@
 use super::RayCounts;
 use super::medium::Inside;
 use super::trace::{Asker, closest, visibility};
-use super::vertex::Vertex;
+use super::vertex::{Place, Vertex};
+use crate::geometry::emission;
 use crate::lighting::{LightReach, Receiver};
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
@@ -49,31 +50,36 @@ pub(super) fn trace_path(
     let mut leaves = None;
     rays.camera += 1;
     for depth in 0..=settings.max_depth {
-        let asker = Asker { sampler: *sampler, vertex: depth, leaves, eye: depth == 0 };
+        let asker = Asker { sampler: *sampler, vertex: depth, draw: 0, leaves, eye: depth == 0 };
         let hit = closest(prepared, &asker, origin, dir);
-        let found = hit.and_then(|hit| Some((Vertex::new(prepared, &hit, dir)?, hit.t)));
-        let Some((vertex, distance)) = found else {
+        let Some((hit, place)) = hit.and_then(|hit| Some((hit, Place::new(prepared, &hit, dir)?))) else {
             if depth > 0 || show_environment {
                 radiance += throughput * environment(prepared, settings, reach, &sent, dir);
             }
             return PathResult { radiance, covered: depth > 0 || show_environment };
         };
-        throughput *= inside.transmittance(prepared, &vertex, distance);
-        if vertex.emitted != Vec3::ZERO {
-            radiance += throughput * vertex.emitted * emission_weight(prepared, settings, reach, &sent, &vertex);
+        inside = inside.met(prepared, &place);
+        throughput *= inside.transmittance(prepared, hit.t);
+        let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
+        let emitted = emission::emitted(&prepared.scene, &prepared.geometry, hit.triangle, b, place.front);
+        if emitted != Vec3::ZERO {
+            radiance += throughput * emitted * emission_weight(prepared, settings, reach, &sent, &place);
         }
-        if depth == settings.max_depth || vertex.bsdf.is_black() {
+        if depth == settings.max_depth {
+            break;
+        }
+        let vertex = Vertex::new(prepared, &hit, place, dir);
+        if vertex.bsdf.is_black() {
             break;
         }
         if vertex.bsdf.has_smooth() && prepared.lights.any(reach) {
-            let asker = Asker { sampler: *sampler, vertex: depth + 1, leaves: Some(vertex.triangle), eye: false };
-            radiance += throughput * direct(prepared, settings, reach, sampler, &asker, &vertex, rays);
+            radiance += throughput * direct(prepared, settings, reach, sampler, depth, &vertex, inside, rays);
         }
         let Some((wi, sample)) = scatter(settings.strategy, sampler, depth, &vertex) else { break };
         throughput *= sample.weight;
         eta_scale *= sample.eta_scale;
         if sample.transmitted {
-            inside = inside.crossed(prepared, &vertex);
+            inside = inside.crossed(prepared, &place);
         }
         if depth + 1 >= ROULETTE_AFTER {
             let survival = (throughput.max_element() / eta_scale).min(MOST_SURVIVAL);
@@ -84,9 +90,9 @@ pub(super) fn trace_path(
             throughput /= survival;
         }
         sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), sample.pdf)) };
-        origin = vertex.spawn(wi);
+        origin = place.spawn(wi);
         dir = wi;
-        leaves = Some(vertex.triangle);
+        leaves = Some(place.triangle);
         rays.bounce += 1;
     }
     PathResult { radiance, covered: true }
@@ -112,17 +118,19 @@ fn scatter(strategy: Strategy, sampler: &mut PathSampler, depth: u32, vertex: &V
     Some((vertex.world_of(sample.wi)?, sample))
 }
 
-/// Light from light samples at a vertex.
+/// Light from light samples at the path's vertex number `depth`.
+#[expect(clippy::too_many_arguments, reason = "the state of a path")]
 fn direct(
     prepared: &PreparedScene,
     settings: &RenderSettings,
     reach: LightReach,
     sampler: &mut PathSampler,
-    asker: &Asker,
+    depth: u32,
     vertex: &Vertex,
+    inside: Inside,
     rays: &mut RayCounts,
 ) -> Vec3 {
-    let depth = asker.vertex - 1;
+    let place = &vertex.place;
     let count = settings.light_samples.max(1);
     let receiver = vertex.receiver();
     let mut sum = Vec3::ZERO;
@@ -139,7 +147,10 @@ fn direct(
             continue;
         }
         rays.shadow += 1;
-        let visible = visibility(prepared, asker, vertex, &light);
+        let asker =
+            Asker { sampler: *sampler, vertex: depth + 1, draw: k + 1, leaves: Some(place.triangle), eye: false };
+        let inside = if wi.z < 0.0 { inside.crossed(prepared, place) } else { inside };
+        let visible = visibility(prepared, &asker, place, inside, &light);
         if visible == Vec3::ZERO {
             continue;
         }
@@ -154,7 +165,8 @@ fn direct(
 
 /// Veach's balance heuristic.
 fn balance(pdf: f32, other: f32) -> f32 {
-    if other.is_finite() { pdf / (pdf + other) } else { 0.0 }
+    // Neither overflows in the sum nor divides infinities, as long as one of them is finite.
+    1.0 / (1.0 + other / pdf)
 }
 
 /// The share of emission found by scattering that light samples do not bring already.
@@ -174,10 +186,10 @@ fn emission_weight(
     settings: &RenderSettings,
     reach: LightReach,
     sent: &Sent,
-    vertex: &Vertex,
+    place: &Place,
 ) -> f32 {
     found_weight(settings, sent, |receiver| {
-        prepared.lights.pdf_triangle(&prepared.geometry, vertex.triangle, receiver, vertex.point, reach)
+        prepared.lights.pdf_triangle(&prepared.geometry, place.triangle, receiver, place.point, reach)
     })
 }
 

@@ -1,7 +1,7 @@
 //! Rays against the prepared scene, with coverage, culling and coloured shadows.
 
-use super::medium;
-use super::vertex::Vertex;
+use super::medium::Inside;
+use super::vertex::Place;
 use crate::geometry::coverage;
 use crate::lighting::{LightSample, Target};
 use crate::math::float_error::offset_point;
@@ -16,10 +16,19 @@ pub(super) struct Asker {
     pub sampler: PathSampler,
     /// Number of the path's vertex that the ray leaves, 0 for the camera.
     pub vertex: u32,
+    /// Number of the light sample at the vertex, from 1, or 0 for the path's own ray: each has coverage of its own.
+    pub draw: u32,
     /// The triangle that the ray leaves: flat, so the ray cannot meet it again.
     pub leaves: Option<u32>,
     /// A camera ray, which single-sided backs do not stop.
     pub eye: bool,
+}
+
+impl Asker {
+    /// One number for vertex and light sample (apart from each other up to 65 536 vertices and 8 191 light samples).
+    fn address(&self) -> u32 {
+        self.vertex ^ self.draw << 16
+    }
 }
 
 /// Whether a surface stops a ray: culling, and coverage by a number that belongs to (path, vertex, triangle).
@@ -38,7 +47,7 @@ fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool 
     if filters.coverage {
         let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
         let covered = coverage(scene, geometry, hit.triangle, b);
-        return covered >= 1.0 || asker.sampler.fixed(asker.vertex, Purpose::Coverage(hit.triangle)) < covered;
+        return covered >= 1.0 || asker.sampler.fixed(asker.address(), Purpose::Coverage(hit.triangle)) < covered;
     }
     true
 }
@@ -49,14 +58,25 @@ pub(super) fn closest(prepared: &PreparedScene, asker: &Asker, origin: Vec3, dir
     prepared.tree.closest(&ray, |hit| stops(prepared, asker, hit, dir))
 }
 
-/// The share of a light sample that arrives at a vertex: zero or one, or the colour of `.ray` glass in between.
-pub(super) fn visibility(prepared: &PreparedScene, asker: &Asker, from: &Vertex, light: &LightSample) -> Vec3 {
+/// The share of a light sample that arrives at a vertex: zero, or what bodies on the way let through. `inside` tells
+/// what the shadow ray begins in.
+pub(super) fn visibility(
+    prepared: &PreparedScene,
+    asker: &Asker,
+    from: &Place,
+    inside: Inside,
+    light: &LightSample,
+) -> Vec3 {
     let (ray, end) = match light.target {
         Target::Infinity => {
             let origin = from.spawn(light.direction);
             (Ray { origin, dir: light.direction, t_max: f32::INFINITY }, None)
         }
         Target::Point(point) => {
+            // Points of a disc may lie below the horizon though its centre, which shades, does not.
+            if !from.same_side(point - from.point, light.direction) {
+                return Vec3::ZERO;
+            }
             let origin = from.spawn(point - from.point);
             (Ray { origin, dir: point - origin, t_max: 1.0 }, None)
         }
@@ -85,12 +105,27 @@ pub(super) fn visibility(prepared: &PreparedScene, asker: &Asker, from: &Vertex,
     if blocked {
         return Vec3::ZERO;
     }
-    if tinted { straight_transmittance(prepared, asker, &ray, tints) } else { Vec3::ONE }
+    if tinted {
+        return straight_transmittance(prepared, asker, &ray, inside, tints);
+    }
+    rest(prepared, inside, &ray)
+}
+
+/// Transmittance of what is left of a shadow ray. One to infinity leaves a body that is open, as paths do that meet
+/// nothing more.
+fn rest(prepared: &PreparedScene, inside: Inside, ray: &Ray) -> Vec3 {
+    if ray.t_max.is_finite() { inside.transmittance(prepared, ray.dir.length() * ray.t_max) } else { Vec3::ONE }
 }
 
 /// Transmittance of all `.ray` bodies on a straight line: k_t to the power of the length inside each
 /// (ray-format.md, section 10). Crossings are met one after the other, front to back.
-fn straight_transmittance(prepared: &PreparedScene, asker: &Asker, ray: &Ray, tints: impl Fn(&Hit) -> bool) -> Vec3 {
+fn straight_transmittance(
+    prepared: &PreparedScene,
+    asker: &Asker,
+    ray: &Ray,
+    mut inside: Inside,
+    tints: impl Fn(&Hit) -> bool,
+) -> Vec3 {
     // More layers than this are black for all practical purposes, and the loop must end.
     const MOST_CROSSINGS: u32 = 64;
     let mut transmittance = Vec3::ONE;
@@ -101,13 +136,13 @@ fn straight_transmittance(prepared: &PreparedScene, asker: &Asker, ray: &Ray, ti
         let segment = Ray { origin, dir, t_max };
         let here = Asker { leaves, ..*asker };
         let Some(hit) = prepared.tree.closest(&segment, |hit| tints(hit) && stops(prepared, &here, hit, dir)) else {
-            return transmittance;
+            return transmittance * rest(prepared, inside, &segment);
         };
-        let Some(vertex) = Vertex::new(prepared, &hit, dir.normalize()) else { return transmittance };
-        if !vertex.front {
-            transmittance *= medium::transmittance(prepared, vertex.material, hit.t * dir.length());
-        }
-        origin = vertex.spawn(dir);
+        let Some(place) = Place::new(prepared, &hit, dir) else { return transmittance };
+        inside = inside.met(prepared, &place);
+        transmittance *= inside.transmittance(prepared, hit.t * dir.length());
+        inside = inside.crossed(prepared, &place);
+        origin = place.spawn(dir);
         leaves = Some(hit.triangle);
     }
     Vec3::ZERO

@@ -1,5 +1,4 @@
 use crate::geometry::Attributes;
-use crate::geometry::emission;
 use crate::geometry::textures::{color, lookup, scalar};
 use crate::lighting::Receiver;
 use crate::math::Frame;
@@ -14,9 +13,9 @@ use kiln_formats::scene::{Material, MaterialId, NormalMap, Phong, Surface};
 /// the shading horizon would see black (numerics: clamp to the visible side).
 const LEAST_COSINE: f32 = 0.02;
 
-/// A path's vertex on a surface.
+/// A point on a surface, seen from one side.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Vertex {
+pub(super) struct Place {
     pub triangle: u32,
     pub material: MaterialId,
     pub point: Vec3,
@@ -26,48 +25,65 @@ pub(super) struct Vertex {
     normal: Vec3,
     /// Whether the viewer is in front of the triangle.
     pub front: bool,
+}
+
+impl Place {
+    /// The place of a hit seen against the direction `dir`.
+    pub(super) fn new(prepared: &PreparedScene, hit: &Hit, dir: Vec3) -> Option<Self> {
+        let geometry = &prepared.geometry;
+        let corners = geometry.corners(hit.triangle);
+        let [p0, p1, p2] = [corners[0] * (1.0 - hit.b1 - hit.b2), corners[1] * hit.b1, corners[2] * hit.b2];
+        let outward = geometry.front_normal(hit.triangle).try_normalize()?.as_vec3();
+        let front = dir.dot(outward) < 0.0;
+        Some(Self {
+            triangle: hit.triangle,
+            material: geometry.material(&prepared.scene, hit.triangle),
+            point: p0 + p1 + p2,
+            error: (p0.abs() + p1.abs() + p2.abs()) * gamma(7),
+            normal: if front { outward } else { -outward },
+            front,
+        })
+    }
+
+    /// Where a ray towards `direction` begins.
+    #[inline]
+    pub(super) fn spawn(&self, direction: Vec3) -> Vec3 {
+        offset_point(self.point, self.error, self.normal, direction)
+    }
+
+    /// Whether two directions lie on the same side of the surface.
+    pub(super) fn same_side(&self, a: Vec3, b: Vec3) -> bool {
+        (a.dot(self.normal) > 0.0) == (b.dot(self.normal) > 0.0)
+    }
+}
+
+/// A path's vertex on a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    pub place: Place,
     frame: Frame,
     wo_local: Vec3,
     pub bsdf: Bsdf,
-    /// Radiance emitted to the viewer.
-    pub emitted: Vec3,
 }
 
 impl Vertex {
-    /// The vertex at a hit seen against the unit direction `dir`.
-    pub(super) fn new(prepared: &PreparedScene, hit: &Hit, dir: Vec3) -> Option<Self> {
+    /// The vertex at a hit, which is at `place`, seen against the unit direction `dir`.
+    pub(super) fn new(prepared: &PreparedScene, hit: &Hit, place: Place, dir: Vec3) -> Self {
         let (scene, geometry) = (&prepared.scene, &prepared.geometry);
         let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
-        let corners = geometry.corners(hit.triangle);
-        let [p0, p1, p2] = [corners[0] * b[0], corners[1] * b[1], corners[2] * b[2]];
-        let outward = geometry.front_normal(hit.triangle).try_normalize()?.as_vec3();
-        let wo = -dir;
-        let front = wo.dot(outward) > 0.0;
-        let normal = if front { outward } else { -outward };
-        let material_id = geometry.material(scene, hit.triangle);
-        let material = &scene.materials[material_id as usize];
+        let (wo, front) = (-dir, place.front);
+        let outward = if front { place.normal } else { -place.normal };
+        let material = &scene.materials[place.material as usize];
         let attributes = geometry.attributes(scene, hit.triangle, b);
         let shading = attributes.normal.unwrap_or(outward);
         let shading = match &material.normal_map {
             Some(map) => mapped_normal(prepared, map, shading, &attributes).unwrap_or(shading),
             None => shading,
         };
-        let frame = Frame::from_normal(visible_normal(shading, normal, wo));
+        let frame = Frame::from_normal(visible_normal(shading, place.normal, wo));
         let wo_local = frame.to_local(wo);
-        let emitted = emission::emitted(scene, geometry, hit.triangle, b, front);
         let bsdf = bsdf(prepared, hit.triangle, material, &attributes, b, front, wo_local.z);
-        Some(Self {
-            triangle: hit.triangle,
-            material: material_id,
-            point: p0 + p1 + p2,
-            error: (p0.abs() + p1.abs() + p2.abs()) * gamma(7),
-            normal,
-            front,
-            frame,
-            wo_local,
-            bsdf,
-            emitted,
-        })
+        Self { place, frame, wo_local, bsdf }
     }
 
     /// Direction to the viewer in the shading frame.
@@ -78,23 +94,19 @@ impl Vertex {
     /// A shading-frame direction in the world, unless shading and geometric normal disagree on its side.
     pub(super) fn world_of(&self, wi_local: Vec3) -> Option<Vec3> {
         let wi = self.frame.to_world(wi_local);
-        ((wi.dot(self.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi)
+        ((wi.dot(self.place.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi)
     }
 
     /// A world direction in the shading frame, unless shading and geometric normal disagree on its side.
     pub(super) fn local_of(&self, wi: Vec3) -> Option<Vec3> {
         let wi_local = self.frame.to_local(wi);
-        ((wi.dot(self.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi_local)
+        ((wi.dot(self.place.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi_local)
     }
 
     /// The vertex as a receiver of light.
     pub(super) fn receiver(&self) -> Receiver {
-        Receiver { point: self.point, normal: self.normal, both_sides: self.bsdf.transmits_smoothly() }
-    }
-
-    /// Where a ray towards `direction` begins.
-    pub(super) fn spawn(&self, direction: Vec3) -> Vec3 {
-        offset_point(self.point, self.error, self.normal, direction)
+        let both_sides = self.bsdf.transmits_smoothly();
+        Receiver { point: self.place.point, normal: self.place.normal, both_sides }
     }
 }
 

@@ -5,15 +5,15 @@ use std::f32::consts::PI;
 /// Bounds on where emitters are, where they shine and how strongly (pbrt 4ed, 12.6.3).
 #[derive(Clone, Copy, Debug)]
 pub struct EmitterBounds {
-    lo: Vec3,
-    hi: Vec3,
+    pub(super) lo: Vec3,
+    pub(super) hi: Vec3,
     /// Middle of the emitters' normals.
     pub axis: Vec3,
     /// Cosine of the angle around `axis` that holds all normals; −1: every direction.
     pub cos_spread: f32,
     /// Whether backs emit too.
     pub two_sided: bool,
-    /// Weight in the choice: power, as luminance.
+    /// Weight in the choice: power, as luminance, in any unit; 0 only for nothing.
     pub power: f32,
 }
 
@@ -46,20 +46,20 @@ fn sine(cosine: f32) -> f32 {
 }
 
 impl EmitterBounds {
-    /// Of an emissive triangle with the unit normal `axis` on its front.
-    pub fn triangle(corners: [Vec3; 3], axis: Vec3, two_sided: bool, power: f32) -> Self {
+    /// Of an emissive triangle with the unit normal `axis` on its front. Its power is 1, as of all made here.
+    pub fn triangle(corners: [Vec3; 3], axis: Vec3, two_sided: bool) -> Self {
         let [a, b, c] = corners;
-        Self { lo: a.min(b).min(c), hi: a.max(b).max(c), axis, cos_spread: 1.0, two_sided, power }
+        Self { lo: a.min(b).min(c), hi: a.max(b).max(c), axis, cos_spread: 1.0, two_sided, power: 1.0 }
     }
 
     /// Of a place that shines everywhere.
-    pub fn point(position: Vec3, power: f32) -> Self {
-        Self { lo: position, hi: position, cos_spread: -1.0, power, ..Self::default() }
+    pub fn point(position: Vec3) -> Self {
+        Self { lo: position, hi: position, cos_spread: -1.0, power: 1.0, ..Self::default() }
     }
 
     /// Of a place that shines into a cone of this half angle (radians) around `axis`, or a right angle beyond.
-    pub fn cone(position: Vec3, axis: Vec3, angle: f64, power: f32) -> Self {
-        Self { axis, cos_spread: libm::cos(angle) as f32, ..Self::point(position, power) }
+    pub fn cone(position: Vec3, axis: Vec3, angle: f64) -> Self {
+        Self { axis, cos_spread: libm::cos(angle) as f32, ..Self::point(position) }
     }
 
     /// The same, with another point inside.

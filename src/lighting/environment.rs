@@ -118,7 +118,9 @@ impl EnvironmentMap {
                 p.chunks_exact(4).map(|p| Vec3::new(c(p[0]), c(p[1]), c(p[2]))).collect()
             }
         };
-        let clean = |c: Vec3| if c.is_finite() { (c * intensity).max(Vec3::ZERO) } else { Vec3::ZERO };
+        // Brighter than anything: sums of this many texels stay finite.
+        let most = Vec3::splat(1e24);
+        let clean = |c: Vec3| if c.is_finite() { (c * intensity).clamp(Vec3::ZERO, most) } else { Vec3::ZERO };
         let pixels: Vec<Vec3> = pixels.into_iter().map(clean).collect();
         let (grid_width, grid_height) = (width.min(GRID), height.min(GRID / 2));
         let (mut weights, mut mean) = (vec![0f32; grid_width * grid_height], glam::DVec3::ZERO);

@@ -96,14 +96,15 @@ impl Lights {
     ) -> Self {
         // The frame puts the scene's centre at the origin and its extent below 2.
         let (center, radius) = (Vec3::ZERO, 1.0f32);
-        let world = (1.0 / frame.scale()) as f32;
+        // Double precision: the squares of very large and very small worlds leave the range of f32.
+        let world2 = (1.0 / frame.scale()) * (1.0 / frame.scale());
         let mut lights = Self { environment, ..Self::default() };
         let lit = scene.lights.iter().map(|l| PunctualLight::new(l, frame, settings));
         lights.punctual = lit.filter(|l| l.power(center, radius) > 0.0).collect();
         lights.punctual.sort_by_key(|l| l.bounds().is_some());
         let local: Vec<_> = lights.punctual.iter().filter_map(PunctualLight::bounds).collect();
         lights.global = lights.punctual.len() - local.len();
-        lights.local = LightTree::new(&with_floor(local));
+        lights.local = tree(local).0;
 
         let sources: Vec<_> = scene.materials.iter().map(|m| emission::Source::new(scene, m)).collect();
         let mut last_part = None;
@@ -118,20 +119,20 @@ impl Lights {
             }
             let sides = if source.two_sided { 2.0 } else { 1.0 };
             let radiance = source.mean_radiance(scene, geometry, triangle);
-            let power = PI * sides * area(geometry, triangle) * radiance;
+            let power = std::f64::consts::PI * sides * area(geometry, triangle) * f64::from(radiance);
             let axis = geometry.front_normal(triangle).normalize_or(DVec3::Z).as_vec3();
-            bounds.push(EmitterBounds::triangle(geometry.corners(triangle), axis, source.two_sided, power));
+            bounds.push((EmitterBounds::triangle(geometry.corners(triangle), axis, source.two_sided), power));
             lights.triangles.push(triangle);
         }
-        lights.tree = LightTree::new(&with_floor(bounds));
+        let triangle_power;
+        (lights.tree, triangle_power) = tree(bounds);
 
-        let power_of = |l: &PunctualLight| f64::from(l.power(center, radius));
         let (global, local) = lights.punctual.split_at(lights.global);
-        let mut powers: Vec<f64> = global.iter().map(power_of).collect();
-        powers.push(local.iter().map(power_of).sum());
-        powers.push(lights.tree.power() * f64::from(world * world));
+        let mut powers: Vec<f64> = global.iter().map(|l| l.power(center, radius)).collect();
+        powers.push(local.iter().map(|l| l.power(center, radius)).sum());
+        powers.push(triangle_power * world2);
         powers.push(lights.environment.as_ref().map_or(0.0, |environment| {
-            f64::from(4.0 * PI * PI * radius * radius * world * world * luminance(environment.mean()))
+            f64::from(4.0 * PI * PI * radius * radius * luminance(environment.mean())) * world2
         }));
         let groups = powers.iter().filter(|p| **p > 0.0).count().max(1);
         let floor = UNIFORM_SHARE * powers.iter().sum::<f64>() / groups as f64;
@@ -234,17 +235,21 @@ impl Lights {
     }
 }
 
-/// The emitters with the mean of all powers mixed into each one's.
-fn with_floor(mut emitters: Vec<EmitterBounds>) -> Vec<EmitterBounds> {
-    let mean = emitters.iter().map(|e| f64::from(e.power)).sum::<f64>() / emitters.len().max(1) as f64;
-    for e in &mut emitters {
-        e.power = ((1.0 - UNIFORM_SHARE) * f64::from(e.power) + UNIFORM_SHARE * mean) as f32;
-    }
-    emitters
+/// A tree over emitters and the sum of their powers. The tree's powers are relative to their mean, with a share of the mean
+/// mixed into each one's: none overflows, none is zero.
+fn tree(emitters: Vec<(EmitterBounds, f64)>) -> (LightTree, f64) {
+    let total: f64 = emitters.iter().map(|(_, power)| power).sum();
+    let mean = total / emitters.len().max(1) as f64;
+    let relative = |power: f64| if mean > 0.0 { power / mean } else { 1.0 };
+    let weighted = |(bounds, power): (EmitterBounds, f64)| EmitterBounds {
+        power: ((1.0 - UNIFORM_SHARE) * relative(power) + UNIFORM_SHARE) as f32,
+        ..bounds
+    };
+    (LightTree::new(&emitters.into_iter().map(weighted).collect::<Vec<_>>()), total)
 }
 
-fn area(geometry: &Geometry, triangle: u32) -> f32 {
-    (0.5 * geometry.front_normal(triangle).length()) as f32
+fn area(geometry: &Geometry, triangle: u32) -> f64 {
+    0.5 * geometry.front_normal(triangle).length()
 }
 
 /// Direction, radiance, solid angle density and place of a uniformly chosen point on a triangle.

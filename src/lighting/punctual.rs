@@ -52,7 +52,7 @@ impl PunctualLight {
     }
 
     /// Irradiance factor at a distance in world units.
-    fn falloff(falloff: &Falloff, d: f64) -> f32 {
+    fn falloff(falloff: &Falloff, d: f64) -> f64 {
         let value = match *falloff {
             Falloff::InverseSquare { range } => {
                 let window = range.map_or(1.0, |r| {
@@ -67,7 +67,7 @@ impl PunctualLight {
             }
         };
         // At the light itself 1/d² is infinite: a set of measure zero, left out.
-        if value.is_finite() { value as f32 } else { 0.0 }
+        if value.is_finite() { value } else { 0.0 }
     }
 
     /// How the light reaches `point`. `u` chooses among the points of lights with an extent.
@@ -75,11 +75,15 @@ impl PunctualLight {
         let from = |position: Vec3| {
             let to = position - point;
             let distance = to.length();
-            (distance > 0.0).then(|| (to / distance, f64::from(distance) * self.world))
+            (distance > 0.0 && distance.is_finite()).then(|| (to / distance, f64::from(distance) * self.world))
         };
-        let sample = |direction, factor: f32, target| {
-            let irradiance = self.color * factor;
-            (irradiance != Vec3::ZERO).then_some(PunctualSample { irradiance, direction, target })
+        let sample = |direction, factor: f64, target| {
+            let irradiance = (self.color.as_dvec3() * factor).as_vec3();
+            (irradiance != Vec3::ZERO && irradiance.is_finite()).then_some(PunctualSample {
+                irradiance,
+                direction,
+                target,
+            })
         };
         match &self.kind {
             LightKind::Directional => sample(-self.direction, 1.0, None),
@@ -105,37 +109,38 @@ impl PunctualLight {
                 let (direction, d) = from(self.position)?;
                 let cosine = f64::from(-direction.dot(self.direction));
                 let (full, none) = (libm::cos(*inner), libm::cos(*outer));
-                let cone = ((cosine - none) / (full - none)).clamp(0.0, 1.0);
-                sample(direction, (cone * cone) as f32 * Self::falloff(falloff, d), Some(self.position))
+                // The cosines of very narrow cones are the same number.
+                let cone = ((cosine - none) / (full - none).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                sample(direction, cone * cone * Self::falloff(falloff, d), Some(self.position))
             }
         }
     }
 
-    /// Bounds for choosing among lights that have a place and fall off with the square of the distance.
-    pub fn bounds(&self) -> Option<EmitterBounds> {
-        let power = crate::math::luminance(self.color);
-        match &self.kind {
+    /// Bounds and power for choosing among lights that have a place and fall off with the square of the distance.
+    pub fn bounds(&self) -> Option<(EmitterBounds, f64)> {
+        let bounds = match &self.kind {
             LightKind::Point { falloff: Falloff::InverseSquare { .. }, extent } => {
-                let bounds = EmitterBounds::point(self.position, power);
-                Some(match *extent {
+                let bounds = EmitterBounds::point(self.position);
+                match *extent {
                     Extent::Point | Extent::Disc { .. } => bounds,
                     Extent::Parallelogram { u, v } => {
                         let [u, v] = [u, v].map(|e| (e / self.world).as_vec3());
                         [u + v, u - v, v - u, -u - v].into_iter().fold(bounds, |b, e| b.with(self.position + e))
                     }
-                })
+                }
             }
             LightKind::Spot { falloff: Falloff::InverseSquare { .. }, outer, .. } => {
-                Some(EmitterBounds::cone(self.position, self.direction, *outer, power))
+                EmitterBounds::cone(self.position, self.direction, *outer)
             }
-            _ => None,
-        }
+            _ => return None,
+        };
+        Some((bounds, f64::from(crate::math::luminance(self.color))))
     }
 
     /// Roughly the power that reaches a scene of radius `radius` around `center` (both in the rays' frame): a weight
     /// for choosing among lights, not a physical quantity. Greater than zero for every light that is not black.
-    pub fn power(&self, center: Vec3, radius: f32) -> f32 {
-        let disc = PI * radius * radius * (self.world * self.world) as f32;
+    pub fn power(&self, center: Vec3, radius: f32) -> f64 {
+        let disc = f64::from(PI * radius * radius) * self.world * self.world;
         let irradiance = match &self.kind {
             LightKind::Directional => 1.0,
             LightKind::Point { falloff, .. } | LightKind::Spot { falloff, .. } => {
@@ -143,7 +148,7 @@ impl PunctualLight {
                 Self::falloff(&without_range(falloff), d)
             }
         };
-        disc * irradiance * crate::math::luminance(self.color)
+        disc * irradiance * f64::from(crate::math::luminance(self.color))
     }
 }
 

@@ -46,11 +46,6 @@ impl LightTree {
         tree
     }
 
-    /// Sum of all powers.
-    pub fn power(&self) -> f64 {
-        self.nodes.first().map_or(0.0, |root| f64::from(root.bounds.power))
-    }
-
     fn build(&mut self, emitters: &[EmitterBounds], items: &mut [u32], depth: u32, trail: u64) {
         let at = self.nodes.len();
         if let [only] = items {
@@ -176,9 +171,10 @@ mod tests {
             let edge = |k| Vec3::new(r(i, k), r(i, k + 1), r(i, k + 2)) * 0.05;
             let corners = [p, p + edge(3), p + edge(6)];
             let axis = edge(3).cross(edge(6)).normalize();
-            EmitterBounds::triangle(corners, axis, i % 5 == 0, libm::expf(4.0 * r(i, 9)))
+            let power = libm::expf(4.0 * r(i, 9));
+            EmitterBounds { power, ..EmitterBounds::triangle(corners, axis, i % 5 == 0) }
         };
-        (0..n).map(|i| if i % 7 == 0 { EmitterBounds::point(place(i), 2.0) } else { triangle(i) }).collect()
+        (0..n).map(|i| if i % 7 == 0 { EmitterBounds::point(place(i)) } else { triangle(i) }).collect()
     }
 
     #[test]
@@ -228,7 +224,7 @@ mod tests {
 
     #[test]
     fn many_identical_emitters_do_not_make_the_tree_deep() {
-        let same = vec![EmitterBounds::point(Vec3::ONE, 1.0); 5000];
+        let same = vec![EmitterBounds::point(Vec3::ONE); 5000];
         let tree = LightTree::new(&same);
         let receiver = Receiver { point: Vec3::ZERO, normal: Vec3::Z, both_sides: false };
         for i in [0, 17, 4999] {

@@ -81,9 +81,12 @@ impl kdtree::Triangles for Geometry {
     }
 }
 
-/// Whether the scene brings light of its own: lights, or surfaces that emit (unlit ones do not count).
+/// Whether the scene brings light of its own: lights, or surfaces that emit (unlit ones do not count). What is black, and
+/// materials that nothing drawn has, bring none.
 pub fn has_own_light(scene: &Scene) -> bool {
-    !scene.lights.is_empty() || scene.materials.iter().any(|m| !m.emission.is_black())
+    let material = |mesh: u32| &scene.materials[scene.meshes[mesh as usize].material as usize];
+    scene.lights.iter().any(|l| l.color != [0.0; 3])
+        || scene.instances.iter().any(|i| !material(i.mesh).emission.is_black())
 }
 
 fn tier(asked: AskedTier) -> SimdTier {
