@@ -1,4 +1,5 @@
 //! Every way of sampling converges to the same picture.
+#![allow(clippy::disallowed_methods, reason = "no pixel depends on this arithmetic")]
 
 mod common;
 
