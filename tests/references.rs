@@ -2,6 +2,7 @@
 //!
 //! Pictures and some scenes lie in the folder that `KILN_SHARED` names; without it these tests say so and pass, unless
 //! `KILN_REQUIRE_SHARED` is set.
+#![allow(clippy::disallowed_methods, reason = "no pixel depends on this arithmetic")]
 
 mod common;
 

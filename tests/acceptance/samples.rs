@@ -12,7 +12,7 @@ fn samples() -> PathBuf {
 /// Renders a folder and gives a hash of every picture, by name.
 fn hashes(dir: &Path, input: &Path, arguments: &[&str]) -> BTreeMap<String, blake3::Hash> {
     let out = dir.join("out");
-    let fixed = ["--out", "out", "--width", "24", "--height", "24", "--spp", "3", "--seed", "5", "--quiet"];
+    let fixed = ["--out", "out", "--width", "24", "--height", "24", "--spp", "3", "--quiet"];
     let output = kiln(dir, &[&["batch", &input.to_string_lossy()], &fixed[..], arguments].concat());
     assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
     let mut names = files(&out);
@@ -39,7 +39,7 @@ fn bytes_do_not_depend_on_threads_jobs_or_instruction_set() {
     ] {
         assert!(one == render(arguments), "{arguments:?} gives other bytes than one thread");
     }
-    let seed = render(&["--seed", "6"]);
+    let seed = render(&["--seed", "5"]);
     assert!(one.iter().all(|(name, hash)| seed[name] != *hash), "another seed is another picture");
 }
 

@@ -102,6 +102,7 @@ fn cameras_are_as_written() {
         let (viewdir, updir) = (vector("viewdir", [0.0, 0.0, -1.0]), vector("updir", [0.0, 1.0, 0.0]));
         assert_eq!(view.origin, vector("position", [0.0; 3]), "{name}");
         assert_eq!(view.forward, viewdir, "{name}");
+        #[allow(clippy::disallowed_methods, reason = "compared with a tolerance")]
         let height = camera["fov"].as_f64().map_or(1.0, |fov| 2.0 * (fov.to_radians() / 2.0).tan());
         let aspect = camera["aspectratio"].as_f64().unwrap_or(1.0);
         assert!((view.up - updir * (height / 2.0)).length() < 1e-12, "{name}");

@@ -3,7 +3,7 @@
 //! A wide node is a treelet of the binary tree whose inner planes have become an order: for each octant of directions,
 //! the order in which a ray passes the children's cells. The cells are disjoint, so that the first hit beyond which the
 //! next cell in order begins is the nearest one, and nothing needs sorting. [`collapse`] makes the nodes,
-//! [`traverse`] walks them with a [`Kernel`] of the machine's tier; all kernels find the hits of the binary tree.
+//! [`traverse`] walks them with a [`Kernel`](kernel::Kernel) of the machine's tier; all kernels find the hits of the binary tree.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
