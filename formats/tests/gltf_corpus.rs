@@ -40,14 +40,8 @@ fn timed(path: &Path) -> (Result<Imported, ImportError>, Duration) {
 
 /// Why a sound asset may fail: a required extension that is not read yet, or nothing but points and lines.
 fn fails_by_design(error: &ImportError) -> bool {
-    const LACKING: [&str; 6] = [
-        "KHR_draco_mesh_compression",
-        "EXT_meshopt_compression",
-        "KHR_texture_basisu",
-        "KHR_materials_clearcoat",
-        "KHR_materials_iridescence",
-        "FAKE_materials_quantumRendering",
-    ];
+    const LACKING: [&str; 3] =
+        ["KHR_materials_clearcoat", "KHR_materials_iridescence", "FAKE_materials_quantumRendering"];
     match error.code {
         ErrorCode::Unsupported => LACKING.iter().any(|name| error.message.contains(name)),
         ErrorCode::Empty => true,
