@@ -17,9 +17,11 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\xABKTX 20\xBB\r\n\x1A\n")
 }
 
-/// Width times height by the header, 0 where it cannot be read.
+/// Width times height by the header, 0 where it ends before.
 pub(super) fn stated_texels(bytes: &[u8]) -> u64 {
-    Reader::new(bytes).map_or(0, |r| u64::from(r.header().pixel_width) * u64::from(r.header().pixel_height))
+    // Read by hand: the container's parser panics on some headers, and this is all that is needed of it here.
+    let word = |at: usize| bytes.get(at..)?.first_chunk().map(|b| u64::from(u32::from_le_bytes(*b)));
+    word(20).zip(word(24)).map_or(0, |(width, height)| width.saturating_mul(height))
 }
 
 /// Decodes the largest level of a two-dimensional texture, as stored: the colour space is up to the texture's use.
@@ -29,7 +31,7 @@ pub(super) fn stated_texels(bytes: &[u8]) -> u64 {
 /// anything is allocated), [`ErrorCode::Unsupported`] for other kinds of textures, [`ErrorCode::Invalid`] for corrupt
 /// data; the file is `name`.
 pub(super) fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, ImportError> {
-    // The decoder is young: should it panic, then the image is at fault as far as the user is concerned.
+    // The crates are young, and ktx2 panics on a block size of 256: should one panic, then the image is at fault as far as the user is concerned.
     catch_unwind(AssertUnwindSafe(|| decode_unguarded(bytes, max_texels)))
         .unwrap_or_else(|_| Err(broken("its decoder panicked")))
         .map(|image| Image { name: name.into(), ..image })

@@ -1,8 +1,10 @@
 //! glTF 2.0, `.gltf` and `.glb`.
 //!
 //! Bytes become JSON ([`container`]), JSON becomes the `gltf` crate's typed model ([`document`]), and its parts become
-//! the scene. Nothing in the file is trusted: every index and range is checked where it is used, geometry that does
-//! not fit is an error at its JSON pointer, and anything else that is wrong is left out with a warning.
+//! the scene; compressed views ([`meshopt`]) and primitives ([`draco`]) are decoded into plain ones before that, so that
+//! nothing behind them knows of compression. Nothing in the file is trusted: every index and range is checked where it
+//! is used, geometry that does not fit is an error at its JSON pointer, and anything else that is wrong is left out with
+//! a warning.
 
 mod accessor;
 mod basisu;
