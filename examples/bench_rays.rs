@@ -1,11 +1,13 @@
 //! Rays a second: the kd-tree's forms against each other, and against Embree.
 //!
-//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce]
+//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce]
 //!
 //! Meshes are made here: scan, terrain, knot, stadium, hair, foliage. Rays come from the tree itself: a camera, one bounce
 //! (diffuse) from each hit, the same shuffled, a second bounce, and a shadow ray to a point of a light above. All contenders take turns, pass
 //! by pass, on one thread; the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
 //! mesh and the rays as files and is asked for passes over its standard input.
+
+#![allow(clippy::disallowed_methods)]
 
 #[path = "bench_rays/embree.rs"]
 mod embree;
@@ -26,6 +28,7 @@ struct Arguments {
     meshes: Vec<String>,
     passes: usize,
     embree: Option<String>,
+    robust: bool,
     forms: Vec<String>,
     sets: Vec<String>,
     builder: KdTreeBuilder,
@@ -36,6 +39,7 @@ fn arguments() -> Arguments {
         meshes: Vec::new(),
         passes: 5,
         embree: None,
+        robust: false,
         forms: vec!["avx512".into()],
         sets: Vec::new(),
         builder: KdTreeBuilder::Sah,
@@ -46,6 +50,7 @@ fn arguments() -> Arguments {
         match word.as_str() {
             "--passes" => asked.passes = value().parse().expect("a number of passes"),
             "--embree" => asked.embree = Some(value()),
+            "--robust" => asked.robust = true,
             "--forms" => asked.forms = value().split(',').map(String::from).collect(),
             "--sets" => asked.sets = value().split(',').map(String::from).collect(),
             "--builder" => asked.builder = serde_json::from_value(value().into()).expect("median, sampled or sah"),
@@ -111,7 +116,7 @@ fn main() {
             statistics.bytes as f64 / statistics.triangles as f64,
         );
         let sets = rays::sets(&mesh, &trees[0].1);
-        let mut rival = asked.embree.as_ref().map(|program| embree::Rival::new(program, &mesh));
+        let mut rival = asked.embree.as_ref().map(|program| embree::Rival::new(program, &mesh, asked.robust));
         if let Some(rival) = &rival {
             println!("# {name}: embree built in {:.3} s ({:.3} CPU)", rival.build_seconds, rival.build_cpu);
         }

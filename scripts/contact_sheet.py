@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Lays the PNG pictures of a folder out as one picture: contact_sheet.py FOLDER OUT.png [--columns N] [--width N]
 
-Needs Pillow. Transparent pictures are laid over the card's colour. The sheet is reduced to a palette of 256 colours
-when it would exceed --max-kb otherwise.
+Needs Pillow. Transparent pictures are laid over the card's colour. The sheet is made narrower until it fits --max-kb.
 """
 import argparse
 import io
@@ -46,12 +45,14 @@ def main():
     order = args.order.split(",")
     name = lambda path: path.name.split(".")[0]
     rank = lambda path: (order.index(name(path)) if name(path) in order else len(order), path.name)
-    picture = sheet(sorted(args.folder.glob("*.png"), key=rank), args.columns, args.width, args.gap)
-    data = io.BytesIO()
-    picture.save(data, "PNG", optimize=True)
-    if data.tell() > args.max_kb * 1000:
+    pictures, width = sorted(args.folder.glob("*.png"), key=rank), args.width
+    while True:
         data = io.BytesIO()
-        picture.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(data, "PNG", optimize=True)
+        picture = sheet(pictures, args.columns, width, args.gap)
+        picture.save(data, "PNG", optimize=True)
+        if data.tell() <= args.max_kb * 1000 or width < 200:
+            break
+        width -= 20
     args.out.write_bytes(data.getvalue())
     print(f"{args.out}: {picture.width}x{picture.height}, {data.tell() / 1000:.0f} kB")
 

@@ -11,7 +11,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
     ("sampling", &["settings"]),
     ("shading", &["math"]),
     ("film", &["sampling"]),
-    ("lighting", &["geometry", "math", "settings"]),
+    ("lighting", &["geometry", "math", "sampling", "settings"]),
     ("prepare", &["geometry", "lighting", "math", "settings"]),
     ("integrate", &["film", "geometry", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
     ("write", &["film", "settings"]),

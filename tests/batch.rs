@@ -70,7 +70,13 @@ fn a_panic_is_an_outcome() {
 fn a_stop_keeps_what_is_whole() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let control = Control::default();
-    let sink = Hook(|| Ok(control.stop()), MemorySink::default());
+    let sink = Hook(
+        || {
+            control.stop();
+            Ok(())
+        },
+        MemorySink::default(),
+    );
     let outcome = run(&job(folder.path()), &control, &sink);
     assert_eq!((outcome.status, outcome.error_code.as_deref()), (Status::Partial, Some("stopped")));
     // Both files of the first frame: it was finished already.

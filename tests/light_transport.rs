@@ -1,4 +1,5 @@
 //! Closed forms: pictures whose exact value is known.
+#![allow(clippy::disallowed_methods, reason = "no pixel depends on this arithmetic")]
 
 mod common;
 

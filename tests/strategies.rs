@@ -1,4 +1,5 @@
 //! Every way of sampling converges to the same picture.
+#![allow(clippy::disallowed_methods, reason = "no pixel depends on this arithmetic")]
 
 mod common;
 
@@ -148,14 +149,14 @@ fn all_strategies_and_samplers_agree_on_a_scene_with_everything() {
             RenderSettings { spp, max_depth: 8, strategy, sampler, light_samples, ..RenderSettings::default() };
         shoot(&scene, &EnvironmentSource::Constant([0.2; 3]), &PrepareSettings::default(), &settings, &view)
     };
-    let reference = shoot(Strategy::Mis, SamplerKind::Sobol, 1, 2048);
+    let reference = shoot(Strategy::Mis, SamplerKind::Sobol, 1, 1024);
     assert_eq!(reference.nonfinite, 0);
     for (strategy, sampler, light_samples, spp) in [
-        (Strategy::Mis, SamplerKind::Pcg, 3, 1024),
-        (Strategy::Light, SamplerKind::Lcg, 1, 2048),
-        (Strategy::Bsdf, SamplerKind::Sobol, 1, 4096),
-        (Strategy::Cosine, SamplerKind::Xorshift32, 1, 4096),
-        (Strategy::Hemisphere, SamplerKind::Sobol, 2, 4096),
+        (Strategy::Mis, SamplerKind::Pcg, 3, 512),
+        (Strategy::Light, SamplerKind::Lcg, 1, 512),
+        (Strategy::Bsdf, SamplerKind::Sobol, 1, 1024),
+        (Strategy::Cosine, SamplerKind::Xorshift32, 1, 1024),
+        (Strategy::Hemisphere, SamplerKind::Sobol, 2, 1024),
     ] {
         let other = shoot(strategy, sampler, light_samples, spp);
         assert_agree(&reference, &other, &format!("{strategy:?} {sampler:?} {light_samples}"));

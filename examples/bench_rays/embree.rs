@@ -17,7 +17,7 @@ pub struct Rival {
 }
 
 impl Rival {
-    pub fn new(program: &str, mesh: &Mesh) -> Self {
+    pub fn new(program: &str, mesh: &Mesh, robust: bool) -> Self {
         let folder = std::env::temp_dir().join(format!("bench_rays_{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a temporary folder");
         let mut bytes = Vec::new();
@@ -29,6 +29,7 @@ impl Rival {
         std::fs::write(&path, bytes).expect("a writable temporary folder");
         let mut child = Command::new(program)
             .arg(path)
+            .args(robust.then_some("robust"))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()

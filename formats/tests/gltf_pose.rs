@@ -1,4 +1,5 @@
 //! Rest poses and tangent spaces of imported glTF.
+#![allow(clippy::disallowed_methods, reason = "no pixel depends on this arithmetic")]
 
 mod gltf_common;
 

@@ -1,16 +1,11 @@
 //! Real files from several projects; skipped where there are none (environment variable `KILN_SHARED`).
 
+mod shared;
+
 use kiln_formats::{Control, ErrorCode, ImportOptions, import};
+use shared::shared;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-fn shared(folder: &str) -> Option<PathBuf> {
-    let Some(root) = std::env::var_os("KILN_SHARED") else {
-        eprintln!("skipped: KILN_SHARED is not set");
-        return None;
-    };
-    Some(Path::new(&root).join(folder))
-}
 
 fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
     let mut entries: Vec<PathBuf> = folder.read_dir().unwrap().map(|e| e.unwrap().path()).collect();

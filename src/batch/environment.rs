@@ -107,13 +107,17 @@ mod tests {
     use super::*;
     use crate::film::Picture;
     use crate::write::Metadata;
-    use kiln_formats::scene::ColorInput;
+    use kiln_formats::scene::{ColorInput, Instance, Mesh};
 
     #[test]
     fn assets_without_light_get_the_studio_and_it_is_said() {
-        let dark = Scene { materials: vec![Material::default()], ..Scene::default() };
-        let glow = Material { emission: ColorInput::WHITE, ..Material::default() };
-        let lit = Scene { materials: vec![glow], ..Scene::default() };
+        let drawn = |material: Material| {
+            let instance = Instance { name: String::new(), mesh: 0, transform: glam::DAffine3::IDENTITY };
+            let (meshes, instances) = (vec![Mesh::default()], vec![instance]);
+            Scene { materials: vec![material], meshes, instances, ..Scene::default() }
+        };
+        let dark = drawn(Material::default());
+        let lit = drawn(Material { emission: ColorInput::WHITE, ..Material::default() });
         let words = |scene, settings: &EnvironmentSettings| choose(scene, None, settings, None).1;
         assert!(matches!(choose(&dark, None, &EnvironmentSettings::Auto, None).0, EnvironmentSource::Studio));
         assert!(matches!(choose(&lit, None, &EnvironmentSettings::Auto, None).0, EnvironmentSource::None));
@@ -124,7 +128,7 @@ mod tests {
         // A glTF file's emission is a lamp only when it is stronger than 1.
         assert!(!lights_itself(&lit, Some(Format::Gltf)) && lights_itself(&lit, Some(Format::Obj)));
         let strong = Material { emission: ColorInput::constant([0.0, 5.0, 0.0]), ..Material::default() };
-        assert!(lights_itself(&Scene { materials: vec![strong], ..Scene::default() }, Some(Format::Gltf)));
+        assert!(lights_itself(&drawn(strong), Some(Format::Gltf)));
     }
 
     #[test]

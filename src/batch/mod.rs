@@ -1,4 +1,4 @@
-//! From files to files: one asset ([`run_asset`]), or folders of them ([`run`]).
+//! From files to files: one asset ([`run_asset`]), or folders of them ([`run()`]).
 //!
 //! Nothing here prints or exits; what happens is told to a [`Desk`] or an [`Observer`].
 

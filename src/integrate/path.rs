@@ -5,7 +5,7 @@ use super::medium::Inside;
 use super::trace::{Asker, closest, visibility};
 use super::vertex::{Place, Vertex};
 use crate::geometry::emission;
-use crate::lighting::LightReach;
+use crate::lighting::{LightReach, Receiver};
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::{RenderSettings, Strategy};
@@ -26,10 +26,9 @@ pub(super) struct PathResult {
 /// How the last vertex sent the path on.
 #[derive(Clone, Copy)]
 struct Sent {
-    /// Point that the ray left.
-    from: Vec3,
-    /// Solid angle density of its direction; `None` for the camera and delta lobes, which only they can sample.
-    pdf: Option<f32>,
+    /// The vertex as a receiver of light, and the solid angle density of the ray's direction; `None` for the camera and
+    /// delta lobes, whose directions nothing else can sample.
+    smooth: Option<(Receiver, f32)>,
 }
 
 /// Follows one path from `origin` along the unit vector `dir`.
@@ -47,7 +46,7 @@ pub(super) fn trace_path(
     // Without the (η_i/η_t)² of refraction, which comes back on leaving a body.
     let mut eta_scale = 1.0;
     let mut inside = Inside::default();
-    let mut sent = Sent { from: origin, pdf: None };
+    let mut sent = Sent { smooth: None };
     let mut leaves = None;
     rays.camera += 1;
     for depth in 0..=settings.max_depth {
@@ -90,7 +89,7 @@ pub(super) fn trace_path(
             }
             throughput /= survival;
         }
-        sent = Sent { from: place.point, pdf: (!sample.delta).then_some(sample.pdf) };
+        sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), sample.pdf)) };
         origin = place.spawn(wi);
         dir = wi;
         leaves = Some(place.triangle);
@@ -133,11 +132,12 @@ fn direct(
 ) -> Vec3 {
     let place = &vertex.place;
     let count = settings.light_samples.max(1);
+    let receiver = vertex.receiver();
     let mut sum = Vec3::ZERO;
     for k in 0..count {
         let choice = sampler.get_1d(depth, Purpose::LightChoice(k));
         let u = sampler.get_2d(depth, Purpose::LightPoint(k));
-        let Some(light) = prepared.lights.sample(&prepared.scene, &prepared.geometry, place.point, reach, choice, u)
+        let Some(light) = prepared.lights.sample(&prepared.scene, &prepared.geometry, &receiver, reach, choice, u)
         else {
             continue;
         };
@@ -170,13 +170,13 @@ fn balance(pdf: f32, other: f32) -> f32 {
 }
 
 /// The share of emission found by scattering that light samples do not bring already.
-fn found_weight(settings: &RenderSettings, sent: &Sent, light_pdf: impl FnOnce() -> f32) -> f32 {
-    match (sent.pdf, settings.strategy) {
+fn found_weight(settings: &RenderSettings, sent: &Sent, light_pdf: impl FnOnce(&Receiver) -> f32) -> f32 {
+    match (&sent.smooth, settings.strategy) {
         (None, _) | (_, Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf) => 1.0,
         (Some(_), Strategy::Light) => 0.0,
-        (Some(pdf), Strategy::Mis) => {
-            let light = light_pdf() * settings.light_samples.max(1) as f32;
-            if light == 0.0 { 1.0 } else { balance(pdf, light) }
+        (Some((receiver, pdf)), Strategy::Mis) => {
+            let light = light_pdf(receiver) * settings.light_samples.max(1) as f32;
+            if light == 0.0 { 1.0 } else { balance(*pdf, light) }
         }
     }
 }
@@ -188,14 +188,14 @@ fn emission_weight(
     sent: &Sent,
     place: &Place,
 ) -> f32 {
-    found_weight(settings, sent, || {
-        prepared.lights.pdf_triangle(&prepared.geometry, place.triangle, sent.from, place.point, reach)
+    found_weight(settings, sent, |receiver| {
+        prepared.lights.pdf_triangle(&prepared.geometry, place.triangle, receiver, place.point, reach)
     })
 }
 
 fn environment(prepared: &PreparedScene, settings: &RenderSettings, reach: LightReach, sent: &Sent, dir: Vec3) -> Vec3 {
     let Some(environment) = &prepared.lights.environment else { return Vec3::ZERO };
     let uv = environment.locate(dir);
-    let weight = found_weight(settings, sent, || prepared.lights.pdf_environment(uv, reach));
+    let weight = found_weight(settings, sent, |_| prepared.lights.pdf_environment(uv, reach));
     if weight == 0.0 { Vec3::ZERO } else { environment.radiance_at(uv) * weight }
 }

@@ -1,5 +1,6 @@
 use crate::geometry::Attributes;
 use crate::geometry::textures::{color, lookup, scalar};
+use crate::lighting::Receiver;
 use crate::math::Frame;
 use crate::math::Hit;
 use crate::math::float_error::{gamma, offset_point};
@@ -100,6 +101,12 @@ impl Vertex {
     pub(super) fn local_of(&self, wi: Vec3) -> Option<Vec3> {
         let wi_local = self.frame.to_local(wi);
         ((wi.dot(self.place.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi_local)
+    }
+
+    /// The vertex as a receiver of light.
+    pub(super) fn receiver(&self) -> Receiver {
+        let both_sides = self.bsdf.transmits_smoothly();
+        Receiver { point: self.place.point, normal: self.place.normal, both_sides }
     }
 }
 

@@ -47,11 +47,6 @@ impl Discrete {
         (first + shares.partition_point(|c| *c <= x)).min(count - 1)
     }
 
-    /// Items.
-    pub fn count(&self) -> usize {
-        self.cumulative.len().saturating_sub(1)
-    }
-
     /// Sum of all weights.
     pub fn total(&self) -> f64 {
         self.cumulative.last().copied().unwrap_or(0.0)

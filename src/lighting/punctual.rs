@@ -1,3 +1,4 @@
+use super::bounds::EmitterBounds;
 use crate::geometry::WorldFrame;
 use crate::math::Frame;
 use crate::settings::PrepareSettings;
@@ -113,6 +114,27 @@ impl PunctualLight {
                 sample(direction, cone * cone * Self::falloff(falloff, d), Some(self.position))
             }
         }
+    }
+
+    /// Bounds and power for choosing among lights that have a place and fall off with the square of the distance.
+    pub fn bounds(&self) -> Option<(EmitterBounds, f64)> {
+        let bounds = match &self.kind {
+            LightKind::Point { falloff: Falloff::InverseSquare { .. }, extent } => {
+                let bounds = EmitterBounds::point(self.position);
+                match *extent {
+                    Extent::Point | Extent::Disc { .. } => bounds,
+                    Extent::Parallelogram { u, v } => {
+                        let [u, v] = [u, v].map(|e| (e / self.world).as_vec3());
+                        [u + v, u - v, v - u, -u - v].into_iter().fold(bounds, |b, e| b.with(self.position + e))
+                    }
+                }
+            }
+            LightKind::Spot { falloff: Falloff::InverseSquare { .. }, outer, .. } => {
+                EmitterBounds::cone(self.position, self.direction, *outer)
+            }
+            _ => return None,
+        };
+        Some((bounds, f64::from(crate::math::luminance(self.color))))
     }
 
     /// Roughly the power that reaches a scene of radius `radius` around `center` (both in the rays' frame): a weight

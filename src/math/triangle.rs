@@ -28,6 +28,7 @@ pub struct ShearedRay {
 
 impl ShearedRay {
     /// Prepares a ray.
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.dir.to_array();
         let a = ray.dir.abs();
@@ -62,11 +63,14 @@ impl ShearedRay {
     /// Where the line through the ray meets a triangle, before and behind the origin alike.
     #[inline(always)]
     pub fn meet(&self, corners: [[f32; 3]; 3], triangle: u32) -> Option<Hit> {
-        let [a, b, c] = corners.map(|corner| self.shear(corner).map(f64::from));
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        let [ax, ay, az] = self.shear(corners[0]);
+        let [bx, by, bz] = self.shear(corners[1]);
+        let [cx, cy, cz] = self.shear(corners[2]);
+        let exact = |p: f32, q: f32| f64::from(p) * f64::from(q);
+        let u = exact(cx, by) - exact(cy, bx);
+        let v = exact(ax, cy) - exact(ay, cx);
+        let w = exact(bx, ay) - exact(by, ax);
+        if ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0)) {
             return None;
         }
         let det = u + v + w;
@@ -74,7 +78,7 @@ impl ShearedRay {
             return None;
         }
         let inv = 1.0 / det;
-        let along = (u * a[2] + v * b[2] + w * c[2]) * inv;
+        let along = (u * f64::from(az) + v * f64::from(bz) + w * f64::from(cz)) * inv;
         let t = (along * self.inv_dir_z) as f32;
         Some(Hit { t, triangle, b1: (v * inv) as f32, b2: (w * inv) as f32 })
     }

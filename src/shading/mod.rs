@@ -204,7 +204,8 @@ impl Bsdf {
         })
     }
 
-    fn transmits_smoothly(&self) -> bool {
+    /// Whether some lobe that is not a delta distribution sends light through the surface.
+    pub fn transmits_smoothly(&self) -> bool {
         self.lobes().any(|(lobe, _)| lobe.transmits_smoothly())
     }
 

@@ -32,10 +32,10 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_then(path, bytes, |_| Ok(()))
 }
 
-/// As [`write`], with the bytes on disk before the file takes its name.
+/// As [`write()`], with the bytes on disk before the file takes its name.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_durably(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_then(path, bytes, File::sync_data)
 }

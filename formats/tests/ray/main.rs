@@ -10,6 +10,8 @@ mod meshes;
 mod nesting;
 mod samples;
 mod shapes;
+#[path = "../shared/mod.rs"]
+mod shared;
 mod textures;
 
 use kiln_formats::scene::{Material, Phong, Surface};

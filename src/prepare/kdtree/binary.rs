@@ -1,7 +1,7 @@
 //! The binary kd-tree and its traversal by planes, in plain code: the definition of what the tree finds.
 
 use super::bounds::Bounds;
-use super::build::{Built, BuiltKind};
+use super::built::{Built, BuiltKind};
 use super::leaves::{Leaf, LeafStore};
 use super::slab::SlabRay;
 use super::split::{MAX_DEPTH, Plane};
@@ -44,7 +44,7 @@ impl Node {
 /// Compiles the built cells to nodes; `leaves` are the leaves in their order.
 pub fn compile(built: &Built, leaves: &[Leaf]) -> Vec<Node> {
     let mut leaves = leaves.iter();
-    let node = |(i, cell): (usize, &super::build::BuiltCell)| match cell.kind {
+    let node = |(i, cell): (usize, &super::built::BuiltCell)| match cell.kind {
         BuiltKind::Split { plane, right } => {
             Node { plane_or_count: plane.at.to_bits(), word: (i as u32 + right) << 2 | plane.axis as u32 }
         }
@@ -63,6 +63,8 @@ pub struct Tree<'a> {
     pub nodes: &'a [Node],
     /// The box around everything.
     pub bounds: &'a Bounds,
+    /// How far from a triangle, and so from the cells that hold it, its hits may lie.
+    pub thickness: f32,
     /// The leaves' triangles.
     pub leaves: &'a LeafStore,
 }
@@ -87,9 +89,10 @@ pub fn nearest(tree: Tree, ray: &Ray, any: bool, mut accept: impl FnMut(&Hit) ->
         while enter <= leave && enter <= limit {
             match tree.nodes[at].view() {
                 View::Split(plane, right) => {
-                    let (near, far) = if slab.negative[plane.axis] { (right, at + 1) } else { (at + 1, right) };
-                    let far_enter = slab.enter(plane.axis, plane.at).max(enter);
-                    let near_leave = slab.leave(plane.axis, plane.at).min(leave);
+                    let (near, far) = if slab.is_negative(plane.axis) { (right, at + 1) } else { (at + 1, right) };
+                    let margin = if slab.is_negative(plane.axis) { tree.thickness } else { -tree.thickness };
+                    let far_enter = slab.enter(plane.axis, plane.at + margin).max(enter);
+                    let near_leave = slab.leave(plane.axis, plane.at - margin).min(leave);
                     if enter > near_leave {
                         (at, enter) = (far, far_enter);
                         continue;

@@ -35,16 +35,21 @@ impl Block<'_> {
     #[inline(always)]
     pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
         let at = |k: usize| f32::from_bits(self.words[k]);
+        let n = self.len;
         if self.pool == 0 {
-            let n = self.len;
-            return [0, 3, 6].map(|k| [at(k * n + i), at((k + 1) * n + i), at((k + 2) * n + i)]);
+            return [
+                [at(i), at(n + i), at(2 * n + i)],
+                [at(3 * n + i), at(4 * n + i), at(5 * n + i)],
+                [at(6 * n + i), at(7 * n + i), at(8 * n + i)],
+            ];
         }
         let n = self.pool;
-        [0, 1, 2].map(|k| {
+        let corner = |k: usize| {
             let word = self.words[3 * n + 4 * k + i / 4];
             let point = (word >> (8 * (i % 4))) as usize & (BLOCK - 1);
             [at(point), at(n + point), at(2 * n + point)]
-        })
+        };
+        [corner(0), corner(1), corner(2)]
     }
 
     /// The number of a reference's triangle.

@@ -1,7 +1,8 @@
 //! Boxes and references: what the builders push around.
 
 /// An axis-aligned box as eight numbers: the lower corner, a free slot, the negated upper corner, a free slot. Merging
-/// two boxes is one minimum over all eight. A [`Reference`] keeps its triangle's number in the first free slot.
+/// two boxes is one minimum over all eight. A [`Reference`] keeps its triangle's number in the first free slot and the
+/// triangle's thickness (see `clip`) in the second.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Bounds(pub [f32; 8]);
@@ -18,11 +19,23 @@ impl Bounds {
         Self([lo[0], lo[1], lo[2], 0.0, -hi[0], -hi[1], -hi[2], 0.0])
     }
 
-    /// The same box as a reference to a triangle.
-    pub fn of_triangle(self, triangle: u32) -> Reference {
+    /// The same box as a reference to a triangle of a thickness.
+    pub fn of_triangle(self, triangle: u32, thickness: f32) -> Reference {
         let mut reference = self;
         reference.0[3] = f32::from_bits(triangle);
+        reference.0[7] = thickness;
         reference
+    }
+
+    /// The thickness of the triangle that a reference refers to.
+    pub fn thickness(&self) -> f32 {
+        self.0[7]
+    }
+
+    /// The box that holds all points that are at most so far from this one on each axis.
+    pub fn widened(&self, by: f32) -> Self {
+        let grown = |k: usize| (self.0[k] - by).next_down();
+        Self([grown(0), grown(1), grown(2), 0.0, grown(4), grown(5), grown(6), 0.0])
     }
 
     /// The triangle that a reference refers to.

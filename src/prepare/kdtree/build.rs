@@ -1,6 +1,8 @@
 //! The recursion that all builders share: choose a plane, deal the references to its sides, cut those on both.
 
 use super::bounds::{Bounds, Reference};
+use super::built::{Built, BuiltCell, BuiltKind};
+use super::cpu::CpuMeter;
 use super::split::{Cell, MAX_DEPTH, Plane, mix, sides};
 use super::{BuildOptions, Triangles, clip, median, sah, sah_simd, sampled};
 use crate::settings::KdTreeBuilder;
@@ -10,64 +12,38 @@ use rayon::prelude::*;
 /// Above this many references, the two sides of a plane are built in parallel.
 const FORK_ABOVE: usize = 16 * 1024;
 /// A tree has at most this many references for each triangle.
-const MAX_REFERENCES_PER_TRIANGLE: f64 = 2.5;
+const MAX_REFERENCES_PER_TRIANGLE: f64 = 3.0;
 /// Duplicates that even the smallest scene may have.
 const MIN_BUDGET: usize = 32;
 /// How many references are made between two looks at the control.
 const POLL_EVERY: usize = 4096;
 
-/// A cell of the built tree. Cells come in depth-first order: the left child follows its parent.
-#[derive(Clone, Copy, Debug)]
-pub struct BuiltCell {
-    /// The box around the cell's references.
-    pub bounds: Bounds,
-    /// What the cell is.
-    pub kind: BuiltKind,
-}
-
-/// What a cell of the built tree is.
-#[derive(Clone, Copy, Debug)]
-pub enum BuiltKind {
-    /// Split by a plane.
-    Split {
-        /// The plane.
-        plane: Plane,
-        /// Distance from this cell to its right child in the order of cells.
-        right: u32,
-    },
-    /// Not split.
-    Leaf {
-        /// Its references are the next so many of the list.
-        count: u32,
-    },
-}
-
-/// The binary tree as it comes out of a builder.
-#[derive(Clone, Debug, Default)]
-pub struct Built {
-    /// Cells, depth first. Empty when there are no triangles.
-    pub cells: Vec<BuiltCell>,
-    /// The triangles of all leaves, in the order of the leaves.
-    pub triangles: Vec<u32>,
-}
-
 struct Context<'a, T> {
     triangles: &'a T,
     options: &'a BuildOptions,
     control: &'a Control,
+    cpu: &'a CpuMeter,
 }
 
 /// Builds the binary tree.
-pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Control) -> Result<Built, Stopped> {
+pub fn build<T: Triangles>(
+    triangles: &T,
+    options: &BuildOptions,
+    control: &Control,
+    cpu: &CpuMeter,
+) -> Result<Built, Stopped> {
     control.check()?;
     let n = u32::try_from(triangles.len()).unwrap_or(u32::MAX);
     let mut refs = vec![Bounds::EMPTY; n as usize];
     refs.par_chunks_mut(POLL_EVERY).enumerate().try_for_each(|(chunk, refs)| {
         control.check()?;
-        for (i, reference) in refs.iter_mut().enumerate() {
-            let triangle = (chunk * POLL_EVERY + i) as u32;
-            *reference = clip::whole(&corners(triangles, triangle)).of_triangle(triangle);
-        }
+        cpu.measure(|| {
+            for (i, reference) in refs.iter_mut().enumerate() {
+                let triangle = (chunk * POLL_EVERY + i) as u32;
+                let corners = corners(triangles, triangle);
+                *reference = clip::whole(&corners).of_triangle(triangle, clip::thickness(&corners));
+            }
+        });
         Ok(())
     })?;
     let mut out = Built::default();
@@ -75,8 +51,12 @@ pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Cont
         return Ok(out);
     }
     let budget = MIN_BUDGET + (refs.len() as f64 * (MAX_REFERENCES_PER_TRIANGLE - 1.0)) as usize;
-    let root = Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 };
-    Context { triangles, options, control }.fork(refs, root, &mut out)?;
+    let root = cpu.measure(|| {
+        out.thickness = refs.iter().map(Bounds::thickness).fold(0.0, f32::max);
+        Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 }
+    });
+    Context { triangles, options, control, cpu }.fork(refs, root, &mut out)?;
+    cpu.measure(|| out.widen());
     Ok(out)
 }
 
@@ -98,18 +78,19 @@ impl<T: Triangles> Context<'_, T> {
     fn fork(&self, mut refs: Vec<Reference>, cell: Cell, out: &mut Built) -> Result<(), Stopped> {
         self.control.check()?;
         if refs.len() <= FORK_ABOVE {
-            return self.descend(&mut refs, 0, cell, out);
+            return self.cpu.measure(|| self.descend(&mut refs, 0, cell, out));
         }
-        let Some(plane) = self.choose(&refs, &cell) else {
-            leaf(&refs, &cell, out);
-            return Ok(());
-        };
         let mut right_refs = Vec::new();
-        let Some(sides) = self.deal(&mut refs, 0, &mut right_refs, plane, &cell) else {
-            leaf(&refs, &cell, out);
+        let sides = self.cpu.measure(|| {
+            let plane = self.choose(&refs, &cell)?;
+            let sides = self.deal(&mut refs, 0, &mut right_refs, plane, &cell)?;
+            refs.shrink_to_fit();
+            Some(sides)
+        });
+        let Some(sides) = sides else {
+            leaf(&refs, out);
             return Ok(());
         };
-        refs.shrink_to_fit();
         let at = out.begin_split(&cell, sides.plane);
         let mut right_out = Built::default();
         let (left, right) =
@@ -117,8 +98,10 @@ impl<T: Triangles> Context<'_, T> {
         left?;
         right?;
         out.begin_right(at);
-        out.cells.append(&mut right_out.cells);
-        out.triangles.append(&mut right_out.triangles);
+        self.cpu.measure(|| {
+            out.cells.append(&mut right_out.cells);
+            out.triangles.append(&mut right_out.triangles);
+        });
         Ok(())
     }
 
@@ -132,7 +115,7 @@ impl<T: Triangles> Context<'_, T> {
         let sides =
             self.choose(&arena[base..], &cell).and_then(|plane| self.deal(arena, base, &mut right_refs, plane, &cell));
         let Some(sides) = sides else {
-            leaf(&arena[base..], &cell, out);
+            leaf(&arena[base..], out);
             arena.truncate(base);
             return Ok(());
         };
@@ -210,7 +193,7 @@ impl<T: Triangles> Context<'_, T> {
     fn cut(&self, reference: &Reference, plane: Plane) -> (Option<Reference>, Option<Reference>) {
         let triangle = reference.triangle();
         let corners = corners(self.triangles, triangle);
-        let tag = |part: Option<Bounds>| part.map(|b| b.of_triangle(triangle));
+        let tag = |part: Option<Bounds>| part.map(|b| b.of_triangle(triangle, reference.thickness()));
         match clip::cut(&corners, reference, plane.axis, plane.at) {
             (None, None) => {
                 let (mut below, mut above) = (*reference, *reference);
@@ -223,58 +206,11 @@ impl<T: Triangles> Context<'_, T> {
     }
 }
 
-fn leaf(refs: &[Reference], cell: &Cell, out: &mut Built) {
-    out.cells.push(BuiltCell { bounds: cell.bounds, kind: BuiltKind::Leaf { count: refs.len() as u32 } });
+fn leaf(refs: &[Reference], out: &mut Built) {
+    let mut bounds = Bounds::EMPTY;
+    for reference in refs {
+        bounds.merge(&reference.widened(reference.thickness()));
+    }
+    out.cells.push(BuiltCell { bounds, kind: BuiltKind::Leaf { count: refs.len() as u32 } });
     out.triangles.extend(refs.iter().map(Reference::triangle));
-}
-
-impl Built {
-    fn begin_split(&mut self, cell: &Cell, plane: Plane) -> usize {
-        self.cells.push(BuiltCell { bounds: cell.bounds, kind: BuiltKind::Split { plane, right: 0 } });
-        self.cells.len() - 1
-    }
-
-    fn begin_right(&mut self, split: usize) {
-        let distance = (self.cells.len() - split) as u32;
-        if let Some(BuiltKind::Split { right, .. }) = self.cells.get_mut(split).map(|cell| &mut cell.kind) {
-            *right = distance;
-        }
-    }
-}
-
-impl Built {
-    /// For each cell that is a leaf, its number among the leaves.
-    pub fn leaf_numbers(&self) -> Vec<u32> {
-        let number = |next: &mut u32, cell: &BuiltCell| {
-            let mine = *next;
-            *next += u32::from(matches!(cell.kind, BuiltKind::Leaf { .. }));
-            Some(mine)
-        };
-        self.cells.iter().scan(0, number).collect()
-    }
-
-    /// Planes above the deepest leaf.
-    pub fn depth(&self) -> u32 {
-        // Depth first, a leaf ends the most recent left side whose right one is still to come.
-        let mut open: Vec<u32> = vec![0];
-        let mut deepest = 0;
-        for cell in &self.cells {
-            let depth = open.pop().unwrap_or(0);
-            deepest = deepest.max(depth);
-            if matches!(cell.kind, BuiltKind::Split { .. }) {
-                open.extend([depth + 1, depth + 1]);
-            }
-        }
-        deepest
-    }
-
-    /// The expected cost of a ray that meets the root.
-    pub fn cost(&self) -> f64 {
-        let root_area = self.cells.first().map_or(0.0, |root| root.bounds.half_area());
-        let cells = self.cells.iter().map(|cell| match cell.kind {
-            BuiltKind::Split { .. } => (cell.bounds.half_area(), None),
-            BuiltKind::Leaf { count } => (cell.bounds.half_area(), Some(count as usize)),
-        });
-        sah::tree_cost(root_area, cells)
-    }
 }

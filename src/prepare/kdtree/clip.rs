@@ -1,60 +1,53 @@
 //! What a cell sees of a triangle.
 //!
-//! A hit that the triangle test reports may lie beside the triangle by a few ulps of its size (`slab` has the bound).
-//! So each triangle is thickened by [`thickness`]: a cell refers to it when it touches the thick triangle, and the boxes
-//! of references hold all of the thick triangle within the cell.
+//! A cell refers to a triangle that reaches into it. A hit that the triangle test reports may lie beside the triangle by a
+//! few ulps of its size, its [`thickness`] (`slab` has the bound), and so perhaps beside the cell: therefore the boxes that
+//! rays are tested against, but not the cells, are widened by it.
 
 use super::bounds::Bounds;
 use super::slab::RELATIVE_ERROR;
 
 /// How far around the triangle its hits may lie: a fraction of its size, plus what denormals may lose.
-pub fn thickness(corners: &[[f32; 3]; 3]) -> f64 {
+pub fn thickness(corners: &[[f32; 3]; 3]) -> f32 {
     let extent = |axis: usize| {
-        let x = corners.map(|corner| f64::from(corner[axis]));
-        x[0].max(x[1]).max(x[2]) - x[0].min(x[1]).min(x[2])
+        let [a, b, c] = corners.map(|corner| corner[axis]);
+        a.max(b).max(c) - a.min(b).min(c)
     };
     let size = extent(0).max(extent(1)).max(extent(2));
-    size * f64::from(RELATIVE_ERROR) + f64::from(f32::MIN_POSITIVE)
+    size * RELATIVE_ERROR + f32::MIN_POSITIVE
 }
 
-/// The box around a whole thick triangle, rounded outwards.
+/// The box around a whole triangle.
 pub fn whole(corners: &[[f32; 3]; 3]) -> Bounds {
-    let thick = thickness(corners);
-    Polygon::new(corners).bounds(thick)
+    let ends = |pick: fn(f32, f32) -> f32| [0, 1, 2].map(|k| pick(pick(corners[0][k], corners[1][k]), corners[2][k]));
+    Bounds::new(ends(f32::min), ends(f32::max))
 }
 
-/// The box around the part of a thick triangle that lies in `cell`; `None` where it does not reach.
+/// The box around the part of a triangle that lies in `cell`; `None` where it does not reach.
 pub fn clipped(corners: &[[f32; 3]; 3], cell: &Bounds) -> Option<Bounds> {
-    let thick = thickness(corners);
     let mut polygon = Polygon::new(corners);
-    polygon.keep_within(cell, thick);
-    if polygon.len == 0 {
-        return None;
-    }
-    let part = polygon.bounds(thick).intersection(cell);
-    (!part.is_empty()).then_some(part)
+    polygon.keep_within(cell);
+    polygon.bounds_in(cell)
 }
 
-/// The boxes around the two parts into which a plane cuts a thick triangle within `cell`: below and above the plane.
+/// The boxes around the two parts into which a plane cuts a triangle within `cell`: below and above the plane.
 pub fn cut(corners: &[[f32; 3]; 3], cell: &Bounds, axis: usize, at: f32) -> (Option<Bounds>, Option<Bounds>) {
-    let thick = thickness(corners);
     let mut polygon = Polygon::new(corners);
-    polygon.keep_within(cell, thick);
+    polygon.keep_within(cell);
     let (mut lower, mut upper) = (*cell, *cell);
     lower.set_hi(axis, at);
     upper.set_lo(axis, at);
     let part = |mut polygon: Polygon, sign: f64, cell: &Bounds| {
-        polygon.keep(axis, f64::from(at) + sign * -thick, sign);
-        let part = if polygon.len > 0 { polygon.bounds(thick).intersection(cell) } else { Bounds::EMPTY };
-        (!part.is_empty()).then_some(part)
+        polygon.keep(axis, f64::from(at), sign);
+        polygon.bounds_in(cell)
     };
     (part(polygon, -1.0, &lower), part(polygon, 1.0, &upper))
 }
 
-/// The corners of the part of a triangle (not thickened) that lies in `cell`; none where it does not reach.
+/// The corners of the part of a triangle that lies in `cell`; none where it does not reach.
 pub fn part(corners: &[[f32; 3]; 3], cell: &Bounds) -> Vec<[f64; 3]> {
     let mut polygon = Polygon::new(corners);
-    polygon.keep_within(cell, 0.0);
+    polygon.keep_within(cell);
     polygon.corners[..polygon.len].to_vec()
 }
 
@@ -74,11 +67,11 @@ impl Polygon {
         Self { corners, len: 3 }
     }
 
-    /// Keeps what lies in a cell that is widened by `thick`.
-    fn keep_within(&mut self, cell: &Bounds, thick: f64) {
+    /// Keeps what lies in a cell.
+    fn keep_within(&mut self, cell: &Bounds) {
         for axis in 0..3 {
-            self.keep(axis, f64::from(cell.lo(axis)) - thick, 1.0);
-            self.keep(axis, f64::from(cell.hi(axis)) + thick, -1.0);
+            self.keep(axis, f64::from(cell.lo(axis)), 1.0);
+            self.keep(axis, f64::from(cell.hi(axis)), -1.0);
         }
     }
 
@@ -113,16 +106,20 @@ impl Polygon {
         }
     }
 
-    fn bounds(&self, thick: f64) -> Bounds {
+    /// The box around it, rounded outwards where f32 cannot tell its ends, within a cell.
+    fn bounds_in(&self, cell: &Bounds) -> Option<Bounds> {
         let mut lo = [f64::INFINITY; 3];
         let mut hi = [f64::NEG_INFINITY; 3];
         for corner in &self.corners[..self.len] {
             for axis in 0..3 {
-                lo[axis] = lo[axis].min(corner[axis]);
-                hi[axis] = hi[axis].max(corner[axis]);
+                lo[axis] = if corner[axis] < lo[axis] { corner[axis] } else { lo[axis] };
+                hi[axis] = if corner[axis] > hi[axis] { corner[axis] } else { hi[axis] };
             }
         }
-        Bounds::new(lo.map(|x| ((x - thick) as f32).next_down()), hi.map(|x| ((x + thick) as f32).next_up()))
+        let down = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
+        let up = |x: f64| if f64::from(x as f32) < x { (x as f32).next_up() } else { x as f32 };
+        let part = Bounds::new(lo.map(down), hi.map(up)).intersection(cell);
+        (self.len > 0 && !part.is_empty()).then_some(part)
     }
 }
 
@@ -137,8 +134,7 @@ mod tests {
         assert!(clipped(&triangle, &beyond_the_slant).is_none());
         let at_the_slant = Bounds::new([1.0, 1.0, -1.0], [2.5, 3.5, 1.0]);
         let part = clipped(&triangle, &at_the_slant).unwrap();
-        assert!((part.hi(0) - 2.5).abs() < 1e-4 && (part.hi(1) - 3.0).abs() < 1e-4 && part.lo(0) == 1.0);
-        assert!(part.hi(1) > 3.0, "the box holds the thick triangle");
+        assert_eq!((part.lo(0), part.hi(1)), (1.0, 3.0), "ends that f32 can tell are exact");
     }
 
     #[test]

@@ -39,7 +39,7 @@ mod tests {
             let reference = |i: u32| {
                 let lo = [0, 1, 2].map(|axis| coordinate(3 * i + axis));
                 let size = 0.1 * coordinate(i + 77);
-                Bounds::new(lo, lo.map(|x| x + size)).of_triangle(i)
+                Bounds::new(lo, lo.map(|x| x + size)).of_triangle(i, 0.0)
             };
             let refs: Vec<Reference> = (0..n).map(reference).collect();
             let cell = Cell { bounds: Bounds::around(&refs), depth: 0, budget: 10_000, path: 1 };

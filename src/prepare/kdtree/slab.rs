@@ -6,14 +6,15 @@
 //! f64. So there is a point q of the true triangle with `|q_i − (o_i + t·d_i)| ≤ 8u·t·|d_i| + 7u·D`: an error relative
 //! to the way along *that axis*, plus one relative to the triangle's size.
 //!
-//! The second part is in the boxes: references hold the triangle thickened by more than 7u·D (see `clip`), in every cell
-//! that it touches. The first part is here: distances to planes are taken shorter or longer by [`RELATIVE_ERROR`], which
+//! The second part is in the boxes: that of a leaf holds what its cell sees of each triangle, widened by more than 7u·D
+//! (see `clip`), and those above hold those below; or, in the traversal by planes, it is added to the planes. The first part is here: distances to planes are taken shorter or longer by [`RELATIVE_ERROR`], which
 //! covers 8u and the roundings of the slab test that are relative to the distance. The distance to a plane p is
-//! `p·(1/d) − o·(1/d)`, whose other roundings are relative to `o·(1/d)`: they are in the second term. Hence, for the cell that holds the point x between
-//! q and o + t·d, `enter ≤ t ≤ leave` on every axis and at every ancestor; a traversal that skips only boxes with
+//! `p·(1/d) − o·(1/d)`, whose other roundings are relative to `o·(1/d)`: they are in the second term. Hence, for the cell that holds the point q,
+//! `enter ≤ t ≤ leave` on every axis and at every ancestor; a traversal that skips only boxes with
 //! `enter > nearest hit` or `enter > leave` finds what brute force finds.
 
 use crate::math::Ray;
+use glam::Vec3;
 
 /// 20 u: see above.
 pub const RELATIVE_ERROR: f32 = 20.0 / 16_777_216.0;
@@ -27,6 +28,9 @@ const HUGE: f32 = 1e25;
 /// Beyond any distance, and beyond `HUGE` times the way across that a parallel ray may make within a scene.
 const FAR: f32 = 2e14;
 
+/// Makes the shortest of directions normal numbers.
+const DENORMAL_SCALE: f32 = 16_777_216.0;
+
 /// A ray as the slab test wants it. Its distances are scaled by a power of two so that the direction's largest
 /// component lies in [1, 2); that keeps all of them in f32's range whatever the length of the direction.
 #[derive(Clone, Copy, Debug)]
@@ -39,67 +43,88 @@ pub struct SlabRay {
     pub leave_inv: [f32; 3],
     /// What is added to the product with the plane: minus the origin's, a little too large.
     pub leave_add: [f32; 3],
-    /// Whether the direction is negative, an axis each: then boxes are entered at their upper end.
-    pub negative: [bool; 3],
+    /// On which axes the direction is negative, a bit each from x: there, boxes are entered at their upper end.
+    pub octant: usize,
     /// See [`SlabRay::stop`].
     stop_factor: f32,
     stop_add: f32,
-    scale: f64,
+    scale: f32,
 }
 
 impl SlabRay {
     /// Prepares a ray.
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let largest = f64::from(ray.dir.abs().max_element());
-        // The exponent of a positive normal f64, which every f32 but zero is.
-        let exponent = (largest.to_bits() >> 52) as i64 - 1023;
-        let power = |e: i64| f64::from_bits(((e + 1023) as u64) << 52);
-        let (shrink, scale) = (power(-exponent), power(exponent));
+        let (mut dir, mut longer) = (ray.dir, 1.0);
+        if dir.abs().max_element() < f32::MIN_POSITIVE {
+            (dir, longer) = (dir * DENORMAL_SCALE, DENORMAL_SCALE);
+        }
+        // Powers of two by their exponents: products with them are exact.
+        let exponent = (dir.abs().max_element().to_bits() >> 23) & 0xff;
+        let scale = f32::from_bits(exponent << 23);
+        let shrink = if exponent < 254 { f32::from_bits((254 - exponent) << 23) } else { 0.5 * f32::MIN_POSITIVE };
+        let d = dir * shrink;
+        let inv = d.recip();
+        let (enter_inv, leave_inv) = (inv * (1.0 - RELATIVE_ERROR), inv * (1.0 + RELATIVE_ERROR));
+        let (enter_from, leave_from) = (ray.origin * enter_inv, ray.origin * leave_inv);
+        let slack = leave_from.abs() * OFFSET_ERROR;
         let mut slab = Self {
-            enter_inv: [HUGE; 3],
-            enter_add: [0.0; 3],
-            leave_inv: [HUGE; 3],
-            leave_add: [0.0; 3],
-            negative: [false; 3],
+            enter_inv: enter_inv.to_array(),
+            enter_add: (-enter_from - slack).to_array(),
+            leave_inv: leave_inv.to_array(),
+            leave_add: (slack - leave_from).to_array(),
+            octant: usize::from(d.x < 0.0) | usize::from(d.y < 0.0) << 1 | usize::from(d.z < 0.0) << 2,
             stop_factor: 1.0 + 8.0 * RELATIVE_ERROR,
-            stop_add: 0.0,
-            scale,
+            stop_add: 4.0 * (slack.x + slack.y + slack.z),
+            scale: scale / longer,
         };
-        for axis in 0..3 {
-            let d = (f64::from(ray.dir[axis]) * shrink) as f32;
-            let origin = ray.origin[axis];
-            let mut slack = 0.0;
-            if d.abs() >= PARALLEL {
-                let inv = 1.0 / d;
-                slab.negative[axis] = d < 0.0;
-                slab.enter_inv[axis] = inv * (1.0 - RELATIVE_ERROR);
-                slab.leave_inv[axis] = inv * (1.0 + RELATIVE_ERROR);
-            } else {
-                // Inside for ever or never; a ray within a plane is on both of its sides.
-                slack = FAR;
-                slab.stop_factor = f32::INFINITY;
-            }
-            let (enter, leave) = (origin * slab.enter_inv[axis], origin * slab.leave_inv[axis]);
-            slack += leave.abs() * OFFSET_ERROR;
-            slab.enter_add[axis] = -enter - slack;
-            slab.leave_add[axis] = -leave + slack;
-            slab.stop_add += 4.0 * slack;
+        if d.x.abs() < PARALLEL || d.y.abs() < PARALLEL || d.z.abs() < PARALLEL {
+            slab.mend_parallel(ray, d);
         }
         slab
+    }
+
+    /// Axes along which the ray does not move: it is inside for ever or never, and within a plane it is on both sides.
+    #[cold]
+    #[inline(never)]
+    fn mend_parallel(&mut self, ray: &Ray, d: Vec3) {
+        for axis in 0..3 {
+            if d[axis].abs() < PARALLEL {
+                let from = ray.origin[axis] * HUGE;
+                let slack = FAR + from.abs() * OFFSET_ERROR;
+                self.enter_inv[axis] = HUGE;
+                self.leave_inv[axis] = HUGE;
+                self.enter_add[axis] = -from - slack;
+                self.leave_add[axis] = -from + slack;
+                self.octant &= !(1 << axis);
+            }
+        }
+        self.stop_factor = f32::INFINITY;
+        self.stop_add = f32::INFINITY;
+    }
+
+    /// Whether the direction is negative on an axis.
+    #[inline(always)]
+    pub fn is_negative(&self, axis: usize) -> bool {
+        (self.octant >> axis) & 1 == 1
     }
 
     /// A distance on the ray as a scaled distance, never too small.
     #[inline(always)]
     pub fn scaled(&self, t: f32) -> f32 {
-        (f64::from(t) * self.scale) as f32 + f32::MIN_POSITIVE
+        t * self.scale + f32::MIN_POSITIVE
     }
 
-    /// With cells in the order in which the ray passes them: when one is entered beyond this, all later ones are entered
-    /// beyond `limit`. The margin covers cells that the ray only passes by, counted in for safety. Infinite for a ray that
-    /// is parallel to an axis: it may run within a plane between two cells, where there is no order.
+    /// With cells in the order in which the ray passes them: the factor and the term that make of the limit a distance such
+    /// that, when a box is entered beyond it, all later ones are entered beyond the limit. The margin covers rounding, boxes
+    /// that the ray only seems to meet, and boxes that reach into each other by twice `thickness`. Infinite for a ray that is
+    /// parallel to an axis: it may run within a plane between two cells, where there is no order.
     #[inline(always)]
-    pub fn stop(&self, limit: f32) -> f32 {
-        limit * self.stop_factor + self.stop_add
+    pub fn stop(&self, thickness: f32) -> (f32, f32) {
+        let [x, y, z] = self.leave_inv.map(f32::abs);
+        let steepest = if x > y { x } else { y };
+        let steepest = if z > steepest { z } else { steepest };
+        (self.stop_factor, self.stop_add + 4.0 * thickness * steepest)
     }
 
     /// The scaled distance at which a plane is reached at the earliest.
@@ -119,7 +144,7 @@ impl SlabRay {
         let (mut enter, mut leave) = (0.0f32, f32::INFINITY);
         for axis in 0..3 {
             let (lo, hi) = (bounds.lo(axis), bounds.hi(axis));
-            let (first, last) = if self.negative[axis] { (hi, lo) } else { (lo, hi) };
+            let (first, last) = if self.is_negative(axis) { (hi, lo) } else { (lo, hi) };
             enter = enter.max(self.enter(axis, first));
             leave = leave.min(self.leave(axis, last));
         }

@@ -31,6 +31,7 @@ pub fn check<T: Triangles>(tree: Tree, boxes: &LeafBoxes, triangles: &T) -> Resu
     if let Some(t) = all.iter().find(|&&t| !tree.bounds.contains(&clip::whole(&corners(t)))) {
         return Err(format!("triangle {t} leaves the root's box"));
     }
+    let mut referenced = vec![false; n];
     let mut visited = vec![false; tree.nodes.len()];
     let mut tasks = vec![Task { node: 0, cell: *tree.bounds, touching: all, depth: 0 }];
     while let Some(Task { node, cell, touching, depth }) = tasks.pop() {
@@ -56,9 +57,14 @@ pub fn check<T: Triangles>(tree: Tree, boxes: &LeafBoxes, triangles: &T) -> Resu
                 tasks.push(Task { node: node + 1, cell: below, touching: left, depth: depth + 1 });
                 tasks.push(Task { node: right, cell: above, touching: right_touching, depth: depth + 1 });
             }
-            View::Leaf(leaf) => self::leaf(tree, leaf, &cell, &touching, triangles, boxes.get(&leaf.first))
-                .map_err(|e| format!("node {node}: {e}"))?,
+            View::Leaf(leaf) => {
+                self::leaf(tree, leaf, &cell, &touching, triangles, boxes.get(&leaf.first), &mut referenced)
+                    .map_err(|e| format!("node {node}: {e}"))?
+            }
         }
+    }
+    if let Some(lost) = referenced.iter().position(|&r| !r) {
+        return Err(format!("no leaf refers to triangle {lost}"));
     }
     match visited.iter().position(|&v| !v) {
         Some(orphan) => Err(format!("node {orphan} has no parent")),
@@ -73,6 +79,7 @@ fn leaf<T: Triangles>(
     touching: &[u32],
     triangles: &T,
     wide: Option<&Bounds>,
+    referenced: &mut [bool],
 ) -> Result<(), String> {
     let mut held = Vec::new();
     for block in tree.leaves.blocks(leaf) {
@@ -85,12 +92,16 @@ fn leaf<T: Triangles>(
                 return Err(format!("the corners of triangle {t} are not its own"));
             }
             let outside = |p: &[f64; 3]| {
-                let beyond = |b: &Bounds| (0..3).any(|a| p[a] < f64::from(b.lo(a)) || p[a] > f64::from(b.hi(a)));
+                let thick = f64::from(clip::thickness(&block.corners(i))) * 0.99;
+                let short =
+                    |b: &Bounds, a: usize| p[a] - thick < f64::from(b.lo(a)) || p[a] + thick > f64::from(b.hi(a));
+                let beyond = |b: &Bounds| (0..3).any(|a| short(b, a));
                 wide.is_none_or(beyond)
             };
             if clip::part(&block.corners(i), cell).iter().any(outside) {
                 return Err(format!("triangle {t} leaves the box of its leaf"));
             }
+            referenced[t as usize] = true;
             held.push(t);
         }
     }
@@ -99,9 +110,10 @@ fn leaf<T: Triangles>(
         return Err("a triangle twice in a leaf".into());
     }
     let missing = |t: &&u32| {
-        // Only touching the border is the neighbour's business as well: one of the two holds the triangle.
+        // What lies along the border within the triangle's thickness is the neighbour's business.
         let corners = triangles.vertices(**t).map(|v| v.to_array());
-        let inner = |part: Bounds| (0..3).all(|a| part.lo(a) < part.hi(a) || cell.lo(a) == cell.hi(a));
+        let thick = clip::thickness(&corners);
+        let inner = |part: Bounds| (0..3).all(|a| part.hi(a) > cell.lo(a) + thick && part.lo(a) < cell.hi(a) - thick);
         held.binary_search(t).is_err() && clip::clipped(&corners, cell).is_some_and(inner)
     };
     match touching.iter().find(missing) {

@@ -4,7 +4,7 @@
 use super::super::block::Block;
 use super::super::slab::SlabRay;
 use super::WideTree;
-use super::kernel::{Enters, Kernel, octant};
+use super::kernel::{Enters, Kernel};
 use super::node::{WIDTH, WideNode};
 use super::traverse;
 use crate::math::simd::SimdTier;
@@ -83,9 +83,9 @@ impl Kernel for Avx2 {
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn prepare(slab: &SlabRay) -> Avx2Ray {
-    let octant = octant(slab);
+    let octant = slab.octant;
     let reversed = octant >= 4;
-    let row = |axis: usize, first: bool| if slab.negative[axis] == first { axis + 3 } else { axis };
+    let row = |axis: usize, first: bool| if slab.is_negative(axis) == first { axis + 3 } else { axis };
     let spread = |x: [f32; 3]| x.map(|x| _mm256_set1_ps(x));
     let forwards = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
     let backwards = _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0);

@@ -4,7 +4,7 @@
 use super::super::block::Block;
 use super::super::slab::SlabRay;
 use super::WideTree;
-use super::kernel::{Enters, Kernel, octant};
+use super::kernel::{Enters, Kernel};
 use super::node::{WIDTH, WideNode};
 use super::traverse;
 use crate::math::simd::SimdTier;
@@ -84,9 +84,9 @@ impl Kernel for Avx512 {
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn prepare(slab: &SlabRay) -> Avx512Ray {
-    let octant = octant(slab);
+    let octant = slab.octant;
     let reversed = octant >= 4;
-    let row = |axis: usize, first: bool| if slab.negative[axis] == first { axis + 3 } else { axis };
+    let row = |axis: usize, first: bool| if slab.is_negative(axis) == first { axis + 3 } else { axis };
     {
         let spread = |x: [f32; 3]| x.map(|x| _mm512_set1_ps(x));
         let forwards = _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28);

@@ -1,7 +1,7 @@
 //! From the binary tree to wide nodes.
 
 use super::super::aligned::settle;
-use super::super::build::{Built, BuiltKind};
+use super::super::built::{Built, BuiltKind};
 use super::super::leaves::{Leaf, Planner};
 use super::node::{Child, WIDTH, WideNode};
 

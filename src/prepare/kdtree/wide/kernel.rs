@@ -25,8 +25,3 @@ pub trait Kernel: Copy {
     /// words beyond its end.
     fn candidates(self, ray: &ShearedRay, block: &Block) -> u32;
 }
-
-/// The sign bits of a direction: x, y, z from the lowest.
-pub fn octant(slab: &SlabRay) -> usize {
-    (0..3).map(|axis| usize::from(slab.negative[axis]) << axis).sum()
-}

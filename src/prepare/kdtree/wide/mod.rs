@@ -3,7 +3,7 @@
 //! A wide node is a treelet of the binary tree whose inner planes have become an order: for each octant of directions,
 //! the order in which a ray passes the children's cells. The cells are disjoint, so that the first hit beyond which the
 //! next cell in order begins is the nearest one, and nothing needs sorting. [`collapse`] makes the nodes,
-//! [`traverse`] walks them with a [`Kernel`] of the machine's tier; all kernels find the hits of the binary tree.
+//! [`traverse`] walks them with a [`Kernel`](kernel::Kernel) of the machine's tier; all kernels find the hits of the binary tree.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -16,6 +16,8 @@ mod prefetch;
 mod scalar;
 mod stack;
 mod traverse;
+#[cfg(test)]
+mod twin_tests;
 pub mod validate;
 
 use super::leaves::{Leaf, LeafStore};
@@ -30,6 +32,8 @@ pub struct WideTree<'a> {
     pub nodes: &'a [WideNode],
     /// The leaves' triangles.
     pub leaves: &'a LeafStore,
+    /// How far boxes reach beyond their cells, and so into each other, at most.
+    pub thickness: f32,
 }
 
 impl WideTree<'_> {

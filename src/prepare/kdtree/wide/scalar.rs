@@ -2,7 +2,7 @@
 
 use super::super::block::Block;
 use super::super::slab::SlabRay;
-use super::kernel::{Enters, Kernel, octant};
+use super::kernel::{Enters, Kernel};
 use super::node::{WIDTH, WideNode};
 use crate::math::triangle::ShearedRay;
 
@@ -11,18 +11,18 @@ use crate::math::triangle::ShearedRay;
 pub struct Scalar;
 
 impl Kernel for Scalar {
-    type Ray = (SlabRay, usize);
+    type Ray = SlabRay;
 
-    fn prepare(self, slab: &SlabRay) -> Self::Ray {
-        (*slab, octant(slab))
+    fn prepare(self, slab: &SlabRay) -> SlabRay {
+        *slab
     }
 
     #[inline]
-    fn enter(self, (slab, octant): &Self::Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
+    fn enter(self, slab: &Self::Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
         let (mut enter, mut leave) = ([0.0f32; WIDTH], [limit; WIDTH]);
         for axis in 0..3 {
             let (lo, hi) = (&node.planes[axis], &node.planes[axis + 3]);
-            let (first, last) = if slab.negative[axis] { (hi, lo) } else { (lo, hi) };
+            let (first, last) = if slab.is_negative(axis) { (hi, lo) } else { (lo, hi) };
             for i in 0..WIDTH {
                 let (a, b) = (slab.enter(axis, first[i]), slab.leave(axis, last[i]));
                 enter[i] = if a > enter[i] { a } else { enter[i] };
@@ -31,7 +31,7 @@ impl Kernel for Scalar {
         }
         let mut entered = 0;
         for i in 0..WIDTH {
-            let slot = node.slot(*octant, i);
+            let slot = node.slot(slab.octant, i);
             enters.0[i] = enter[slot];
             entered |= u32::from(enter[slot] <= leave[slot]) << i;
         }

@@ -4,7 +4,7 @@ use super::super::block::Block;
 use super::super::leaves::Leaf;
 use super::super::slab::SlabRay;
 use super::WideTree;
-use super::kernel::{Kernel, octant};
+use super::kernel::Kernel;
 use super::node::Child;
 use super::prefetch;
 use super::stack::Stack;
@@ -37,8 +37,9 @@ pub fn nearest<const ANY: bool, K: Kernel>(
     let mut walk =
         Walk { kernel, sheared: ShearedRay::new(ray), slab, nearest: Nearest::new(ray), limit: slab.scaled(ray.t_max) };
     let prepared = kernel.prepare(&slab);
-    let octant = octant(&slab);
+    let octant = slab.octant;
     let mut stack = Stack::new();
+    let (stop_factor, stop_add) = slab.stop(tree.thickness);
     let mut node = tree.nodes.first()?;
     loop {
         // The children's words come last in the node and are needed last: have them fetched meanwhile.
@@ -85,7 +86,7 @@ pub fn nearest<const ANY: bool, K: Kernel>(
                 stack.pop();
             }
             if enter > walk.limit {
-                if enter > walk.slab.stop(walk.limit) {
+                if enter > walk.limit * stop_factor + stop_add {
                     return walk.nearest.hit;
                 }
                 next = None;

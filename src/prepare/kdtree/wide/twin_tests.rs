@@ -1,0 +1,118 @@
+//! The kernels against their twin in plain code.
+
+use super::super::block::{self, Block, words_of};
+use super::super::bounds::Bounds;
+use super::super::slab::SlabRay;
+use super::super::split::mix;
+use super::kernel::{Enters, Kernel};
+use super::node::{WIDTH, WideNode};
+use super::scalar::Scalar;
+use crate::math::Ray;
+use crate::math::triangle::ShearedRay;
+use crate::prepare::kdtree::Triangles;
+use glam::Vec3;
+
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        (mix(self.0) >> 40) as f32 / 16_777_216.0
+    }
+
+    fn point(&mut self) -> Vec3 {
+        Vec3::new(self.unit(), self.unit(), self.unit())
+    }
+
+    fn ray(&mut self, i: usize) -> Ray {
+        let mut dir = self.point() - self.point();
+        if i.is_multiple_of(7) {
+            dir[i % 3] = 0.0;
+        }
+        Ray { origin: self.point() * 3.0 - 1.0, dir, t_max: f32::INFINITY }
+    }
+}
+
+/// Sixteen boxes side by side along x, in an order that the kernels must permute.
+fn node(random: &mut Random) -> WideNode {
+    let mut node = WideNode::empty();
+    node.count = 13;
+    for slot in 0..13 {
+        let (lo, size) = (random.point(), random.point() * 0.3);
+        node.set_bounds(slot, &Bounds::new(lo.to_array(), (lo + size).to_array()));
+    }
+    let backwards = (0..WIDTH as u64).fold(0, |order, slot| order << 4 | slot);
+    node.orders = [0xfedc_ba98_7654_3210, backwards, 0xefcd_ab89_6745_2301, 0xfedc_ba98_3210_7654];
+    node
+}
+
+/// A strip of triangles, some of which share corners.
+struct Strip(Vec<[Vec3; 3]>);
+
+impl Triangles for Strip {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.0[triangle as usize]
+    }
+}
+
+/// Distances equal to rounding: a fused operation rounds once less.
+fn close(a: f32, b: f32) -> bool {
+    (a - b).abs() <= 1e-5 * (1.0 + a.abs())
+}
+
+fn check(kernel: impl Kernel) {
+    let mut random = Random(3);
+    for i in 0..2000 {
+        let (node, ray) = (node(&mut random), random.ray(i));
+        let slab = SlabRay::new(&ray);
+        let limit = if i.is_multiple_of(3) { 0.5 } else { f32::INFINITY };
+        let (mut plain, mut fast) = (Enters([0.0; WIDTH]), Enters([0.0; WIDTH]));
+        let expected = Scalar.enter(&Scalar.prepare(&slab), &node, limit, &mut plain);
+        let found = kernel.enter(&kernel.prepare(&slab), &node, limit, &mut fast);
+        for k in 0..WIDTH {
+            let (bit, both) = (1 << k, expected & found & (1 << k) != 0);
+            assert!(expected & bit == found & bit || close(plain.0[k], limit), "ray {i}, place {k}");
+            assert!(!both || close(plain.0[k], fast.0[k]), "ray {i}, place {k}: {} {}", plain.0[k], fast.0[k]);
+        }
+
+        let len = 1 + i % 16;
+        let points: Vec<Vec3> = (0..len + 2).map(|_| random.point()).collect();
+        let strip = Strip(points.windows(3).map(|w| [w[0], w[1], w[2]]).collect());
+        let ids: Vec<u32> = (0..len as u32).collect();
+        for pool in [0, block::pool_size(&ids, &strip)] {
+            let mut words = vec![0; words_of(len, pool)];
+            block::write(&mut words, &ids, pool, &strip);
+            words.resize(words.len() + 64, u32::MAX);
+            let block = Block { len, pool, words: &words };
+            let target = strip.0[i % len].iter().sum::<Vec3>() / 3.0;
+            let sheared = ShearedRay::new(&Ray { dir: target - ray.origin, ..ray });
+            let met = Scalar.candidates(&sheared, &block);
+            let candidates = kernel.candidates(&sheared, &block);
+            assert_eq!(met & !candidates, 0, "a triangle is lost");
+            assert!(candidates < 1 << len, "a lane behind the last triangle");
+            assert!((candidates & !met).count_ones() <= 1, "next to nothing is tested in vain");
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn avx2_does_what_plain_code_does() {
+    match super::avx2::Avx2::new() {
+        Some(kernel) => check(kernel),
+        None => println!("skipped: no AVX2 on this machine"),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn avx512_does_what_plain_code_does() {
+    match super::avx512::Avx512::new() {
+        Some(kernel) => check(kernel),
+        None => println!("skipped: no AVX-512 on this machine"),
+    }
+}
