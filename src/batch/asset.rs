@@ -175,7 +175,7 @@ impl Work<'_> {
         self.outcome.seconds.prepare = (wall - tree.kdtree).max(0.0);
         self.outcome.cpu_seconds.kdtree = tree.kdtree_cpu;
         // What this thread did for the tree is in the tree's share already.
-        self.outcome.cpu_seconds.prepare = (cpu - tree.kdtree_cpu.min(tree.kdtree)).max(0.0);
+        self.outcome.cpu_seconds.prepare = (cpu - tree.kdtree_caller_cpu).max(0.0);
         if let Some(facts) = &mut self.outcome.scene {
             facts.triangles = prepared.triangles;
             facts.emitters = prepared.emitters;

@@ -8,6 +8,7 @@ pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
 use crate::math::simd::SimdTier;
 use crate::settings::{PrepareSettings, SimdTier as AskedTier};
+use cpu_time::ThreadTime;
 use glam::{DVec3, Vec3};
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::scene::{AlphaMode, Material, Surface};
@@ -21,6 +22,8 @@ pub struct PrepareTimes {
     pub kdtree: f64,
     /// CPU seconds of the kd-tree's build over all threads.
     pub kdtree_cpu: f64,
+    /// The calling thread's part of them.
+    pub kdtree_caller_cpu: f64,
 }
 
 /// What a traversal has to ask about a material's triangles.
@@ -133,10 +136,14 @@ pub fn prepare(
     let environment = Environment::new(environment, scene.up);
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
     control.check()?;
-    let start = Instant::now();
+    let (start, clock) = (Instant::now(), ThreadTime::now());
     let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: tier(settings.simd) };
     let tree = KdTree::build(&geometry, &options, control)?;
-    let times = PrepareTimes { kdtree: start.elapsed().as_secs_f64(), kdtree_cpu: 0.0 };
+    let times = PrepareTimes {
+        kdtree: start.elapsed().as_secs_f64(),
+        kdtree_cpu: tree.statistics().build_cpu_seconds,
+        kdtree_caller_cpu: clock.elapsed().as_secs_f64(),
+    };
     let filters: Vec<_> = scene.materials.iter().map(filters).collect();
     Ok(PreparedScene {
         bounds,

@@ -4,13 +4,14 @@ use super::document::invalid;
 use super::uri;
 use crate::{Control, ErrorCode, ImportError, Place, Resources};
 use gltf::json;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 enum Source {
     Owned(Vec<u8>),
     /// A part of the GLB file.
     Chunk(Range<usize>),
-    /// A placeholder, such as the fallback of a compression that is not read.
+    /// A placeholder, such as the fallback of a compression.
     Absent,
 }
 
@@ -18,6 +19,8 @@ enum Source {
 pub(super) struct Buffers {
     file: Vec<u8>,
     sources: Vec<Source>,
+    /// Views that were compressed, by index.
+    decoded: BTreeMap<usize, Vec<u8>>,
 }
 
 /// The bytes of a view, and its stride where the file gives one.
@@ -62,7 +65,17 @@ impl Buffers {
             }
             sources.push(source);
         }
-        Ok(Self { file, sources })
+        Ok(Self { file, sources, decoded: BTreeMap::new() })
+    }
+
+    /// Puts decoded bytes, which have the lengths that the views state, in the place of views.
+    pub(super) fn set_decoded(&mut self, views: BTreeMap<usize, Vec<u8>>) {
+        self.decoded = views;
+    }
+
+    /// Adds the bytes of one more buffer.
+    pub(super) fn push(&mut self, bytes: Vec<u8>) {
+        self.sources.push(Source::Owned(bytes));
     }
 
     /// The bytes of a buffer; `None` for placeholders and wrong indices.
@@ -90,7 +103,10 @@ impl Buffers {
         };
         let range = Self::check_view(root, view, index)?;
         let buffer = view.buffer.value();
-        let bytes = self.bytes(buffer).and_then(|bytes| bytes.get(range));
+        let bytes = match self.decoded.get(&index) {
+            Some(decoded) => Some(decoded.as_slice()),
+            None => self.bytes(buffer).and_then(|bytes| bytes.get(range)),
+        };
         let Some(bytes) = bytes else {
             return Err(invalid(format!("/buffers/{buffer}/uri"), "the buffer has no data"));
         };

@@ -1,19 +1,25 @@
 //! glTF 2.0, `.gltf` and `.glb`.
 //!
 //! Bytes become JSON ([`container`]), JSON becomes the `gltf` crate's typed model ([`document`]), and its parts become
-//! the scene. Nothing in the file is trusted: every index and range is checked where it is used, geometry that does
-//! not fit is an error at its JSON pointer, and anything else that is wrong is left out with a warning.
+//! the scene; compressed views ([`meshopt`]) and primitives ([`draco`]) are decoded into plain ones before that, so that
+//! nothing behind them knows of compression. Nothing in the file is trusted: every index and range is checked where it
+//! is used, geometry that does not fit is an error at its JSON pointer, and anything else that is wrong is left out with
+//! a warning.
 
 mod accessor;
+mod basisu;
 mod buffers;
 mod cameras;
 mod container;
 mod document;
+mod draco;
 mod extensions;
+mod instancing;
 mod layout;
 mod lights;
 mod materials;
 mod mend;
+mod meshopt;
 mod nodes;
 mod pose;
 mod primitive;
@@ -68,10 +74,12 @@ fn read(
     document::check_version(&json)?;
     extensions::check(&json, report)?;
     let local = nodes::local_transforms(&json, report);
-    let root = document::read(&mut json, report)?;
+    let mut root = document::read(&mut json, report)?;
     drop(json);
     let hierarchy = nodes::compose(&root, &local, resources.limits().max_nesting)?;
-    let buffers = Buffers::load(&root, bytes, bin, resources, control)?;
+    let mut buffers = Buffers::load(&root, bytes, bin, resources, control)?;
+    buffers.set_decoded(meshopt::decode_views(&root, &buffers, resources.limits(), report, control)?);
+    draco::expand(&mut root, &mut buffers, &hierarchy.shown, resources.limits(), report, control)?;
     let accessors = Accessors { root: &root, buffers: &buffers };
     accessors.check_all()?;
     control.begin((root.meshes.iter().map(|m| m.primitives.len()).sum::<usize>() + root.images.len()) as u64);
@@ -136,13 +144,24 @@ fn geometry(
             poses.insert(key.clone(), placed);
         }
         let world = hierarchy.world.get(*index).copied().unwrap_or(DAffine3::IDENTITY);
+        let instances = match instancing::of_node(&accessors, node, *index)? {
+            Some(instances) => instances.transforms(&accessors)?,
+            None => vec![DAffine3::IDENTITY],
+        };
         for (mesh, own) in poses.get(&key).into_iter().flatten() {
-            let transform = own.unwrap_or(world);
-            if !transform.is_finite() {
-                reader.report.warn("bad-transform", format!("/nodes/{index}"), "is not finite; the mesh is left out");
-                continue;
+            for instance in &instances {
+                let transform = own.unwrap_or(world * *instance);
+                if !transform.is_finite() {
+                    let message = "is not finite; the mesh is left out";
+                    reader.report.warn("bad-transform", format!("/nodes/{index}"), message);
+                    continue;
+                }
+                scene.instances.push(Instance { name: node.name.clone().unwrap_or_default(), mesh: *mesh, transform });
+                // Joints alone place a skinned mesh.
+                if own.is_some() {
+                    break;
+                }
             }
-            scene.instances.push(Instance { name: node.name.clone().unwrap_or_default(), mesh: *mesh, transform });
         }
     }
     if reader.points_or_lines > 0 {
@@ -227,8 +246,13 @@ fn check_size(accessors: &Accessors, shown: &[usize], max_triangles: u64) -> Res
         }
         sizes.push(size);
     }
-    let meshes = shown.iter().filter_map(|i| root.nodes.get(*i)?.mesh);
-    let total = meshes.filter_map(|m| sizes.get(m.value())).fold(0u64, |sum, size| sum.saturating_add(*size));
+    let mut total = 0u64;
+    for index in shown {
+        let Some(node) = root.nodes.get(*index) else { continue };
+        let Some(size) = node.mesh.and_then(|m| sizes.get(m.value())) else { continue };
+        let instances = instancing::of_node(accessors, node, *index)?.map_or(1, |i| i.count as u64);
+        total = total.saturating_add(size.saturating_mul(instances));
+    }
     if total > max_triangles {
         let message = format!("{total} triangles exceed the limit of {max_triangles}");
         return Err(ImportError::new(ErrorCode::TooLarge, message));

@@ -67,11 +67,6 @@ impl Reader<'_, '_> {
         let position_at = || format!("{place}/attributes/POSITION");
         let count = self.accessors.count(position, &position_at)?;
         if self.accessors.is_blank(position) {
-            let compressed =
-                primitive.extensions.as_ref().is_some_and(|e| e.others.contains_key("KHR_draco_mesh_compression"));
-            if compressed {
-                return Err(invalid(position_at(), "is compressed by KHR_draco_mesh_compression, which is not read"));
-            }
             self.nothing(position_at(), "all positions are zero");
             return Ok(None);
         }

@@ -1,5 +1,6 @@
 //! Textures and images: only those that materials use, each decoded once.
 
+use super::basisu;
 use super::buffers::Buffers;
 use super::report::Report;
 use super::uri;
@@ -110,9 +111,11 @@ impl Textures {
 fn source<'a>(root: &'a json::Root, texture: usize, report: &mut Report) -> Option<(usize, Key<'a>)> {
     let place = || format!("/textures/{texture}");
     let source = root.textures.get(texture)?;
-    let webp = source.extensions.as_ref().and_then(|e| e.others.get("EXT_texture_webp"));
-    let webp = webp.and_then(|e| e.get("source")?.as_u64()).and_then(|i| usize::try_from(i).ok());
-    let candidates = [webp, Some(source.source.value())];
+    let other = |name: &str| {
+        let extension = source.extensions.as_ref()?.others.get(name)?;
+        usize::try_from(extension.get("source")?.as_u64()?).ok()
+    };
+    let candidates = [other("EXT_texture_webp"), other("KHR_texture_basisu"), Some(source.source.value())];
     let Some(index) = candidates.into_iter().flatten().find(|i| *i < root.images.len()) else {
         report.warn("missing-texture", place(), "names no image that can be read; its inputs go without it");
         return None;
@@ -146,7 +149,8 @@ fn decode(
     }
     let decode = |(image, bytes): &(usize, Cow<[u8]>)| {
         control.check()?;
-        let decoded = images::decode(bytes, &name(root, *image), limits.max_texels);
+        let decode = if basisu::is_ktx2(bytes) { basisu::decode } else { images::decode };
+        let decoded = decode(bytes, &name(root, *image), limits.max_texels);
         control.advance(1);
         decoded
     };
@@ -155,6 +159,9 @@ fn decode(
 
 /// Width times height by the header, 0 where it cannot be read.
 fn stated_texels(bytes: &[u8]) -> u64 {
+    if basisu::is_ktx2(bytes) {
+        return basisu::stated_texels(bytes);
+    }
     let reader = image::ImageReader::new(Cursor::new(bytes)).with_guessed_format();
     let size = reader.ok().and_then(|r| r.into_dimensions().ok());
     size.map_or(0, |(w, h)| u64::from(w) * u64::from(h))

@@ -2,6 +2,7 @@
 
 use super::bounds::{Bounds, Reference};
 use super::built::{Built, BuiltCell, BuiltKind};
+use super::cpu::CpuMeter;
 use super::split::{Cell, MAX_DEPTH, Plane, mix, sides};
 use super::{BuildOptions, Triangles, clip, median, sah, sah_simd, sampled};
 use crate::settings::KdTreeBuilder;
@@ -21,20 +22,28 @@ struct Context<'a, T> {
     triangles: &'a T,
     options: &'a BuildOptions,
     control: &'a Control,
+    cpu: &'a CpuMeter,
 }
 
 /// Builds the binary tree.
-pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Control) -> Result<Built, Stopped> {
+pub fn build<T: Triangles>(
+    triangles: &T,
+    options: &BuildOptions,
+    control: &Control,
+    cpu: &CpuMeter,
+) -> Result<Built, Stopped> {
     control.check()?;
     let n = u32::try_from(triangles.len()).unwrap_or(u32::MAX);
     let mut refs = vec![Bounds::EMPTY; n as usize];
     refs.par_chunks_mut(POLL_EVERY).enumerate().try_for_each(|(chunk, refs)| {
         control.check()?;
-        for (i, reference) in refs.iter_mut().enumerate() {
-            let triangle = (chunk * POLL_EVERY + i) as u32;
-            let corners = corners(triangles, triangle);
-            *reference = clip::whole(&corners).of_triangle(triangle, clip::thickness(&corners));
-        }
+        cpu.measure(|| {
+            for (i, reference) in refs.iter_mut().enumerate() {
+                let triangle = (chunk * POLL_EVERY + i) as u32;
+                let corners = corners(triangles, triangle);
+                *reference = clip::whole(&corners).of_triangle(triangle, clip::thickness(&corners));
+            }
+        });
         Ok(())
     })?;
     let mut out = Built::default();
@@ -42,10 +51,12 @@ pub fn build<T: Triangles>(triangles: &T, options: &BuildOptions, control: &Cont
         return Ok(out);
     }
     let budget = MIN_BUDGET + (refs.len() as f64 * (MAX_REFERENCES_PER_TRIANGLE - 1.0)) as usize;
-    let root = Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 };
-    out.thickness = refs.iter().map(Bounds::thickness).fold(0.0, f32::max);
-    Context { triangles, options, control }.fork(refs, root, &mut out)?;
-    out.widen();
+    let root = cpu.measure(|| {
+        out.thickness = refs.iter().map(Bounds::thickness).fold(0.0, f32::max);
+        Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 }
+    });
+    Context { triangles, options, control, cpu }.fork(refs, root, &mut out)?;
+    cpu.measure(|| out.widen());
     Ok(out)
 }
 
@@ -67,18 +78,19 @@ impl<T: Triangles> Context<'_, T> {
     fn fork(&self, mut refs: Vec<Reference>, cell: Cell, out: &mut Built) -> Result<(), Stopped> {
         self.control.check()?;
         if refs.len() <= FORK_ABOVE {
-            return self.descend(&mut refs, 0, cell, out);
+            return self.cpu.measure(|| self.descend(&mut refs, 0, cell, out));
         }
-        let Some(plane) = self.choose(&refs, &cell) else {
-            leaf(&refs, out);
-            return Ok(());
-        };
         let mut right_refs = Vec::new();
-        let Some(sides) = self.deal(&mut refs, 0, &mut right_refs, plane, &cell) else {
+        let sides = self.cpu.measure(|| {
+            let plane = self.choose(&refs, &cell)?;
+            let sides = self.deal(&mut refs, 0, &mut right_refs, plane, &cell)?;
+            refs.shrink_to_fit();
+            Some(sides)
+        });
+        let Some(sides) = sides else {
             leaf(&refs, out);
             return Ok(());
         };
-        refs.shrink_to_fit();
         let at = out.begin_split(&cell, sides.plane);
         let mut right_out = Built::default();
         let (left, right) =
@@ -86,8 +98,10 @@ impl<T: Triangles> Context<'_, T> {
         left?;
         right?;
         out.begin_right(at);
-        out.cells.append(&mut right_out.cells);
-        out.triangles.append(&mut right_out.triangles);
+        self.cpu.measure(|| {
+            out.cells.append(&mut right_out.cells);
+            out.triangles.append(&mut right_out.triangles);
+        });
         Ok(())
     }
 

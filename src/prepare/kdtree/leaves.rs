@@ -7,6 +7,7 @@ use super::Triangles;
 use super::aligned::AlignedWords;
 use super::block::{self, Block, words_of};
 use super::built::{Built, BuiltKind};
+use super::cpu::CpuMeter;
 use super::split::BLOCK;
 use rayon::prelude::*;
 
@@ -58,7 +59,7 @@ pub struct Contents<'a> {
 
 impl<'a> Contents<'a> {
     /// Looks into the leaves.
-    pub fn new<T: Triangles>(built: &'a Built, triangles: &T) -> Self {
+    pub fn new<T: Triangles>(built: &'a Built, triangles: &T, cpu: &CpuMeter) -> Self {
         let mut begins = vec![0];
         let mut end = 0;
         for cell in &built.cells {
@@ -67,8 +68,15 @@ impl<'a> Contents<'a> {
                 begins.push(end);
             }
         }
-        let pool = |range: &[usize]| block::pool_size(&built.triangles[range[0]..range[1]], triangles) as u32;
-        let pools = begins.par_windows(2).map(pool).collect();
+        let mut pools = vec![0; begins.len() - 1];
+        pools.par_chunks_mut(FORK_ABOVE).enumerate().for_each(|(chunk, pools)| {
+            cpu.measure(|| {
+                for (i, pool) in pools.iter_mut().enumerate() {
+                    let leaf = chunk * FORK_ABOVE + i;
+                    *pool = block::pool_size(&built.triangles[begins[leaf]..begins[leaf + 1]], triangles) as u32;
+                }
+            });
+        });
         Self { triangles: &built.triangles, begins, pools }
     }
 
@@ -102,7 +110,13 @@ impl Planner {
 
 impl LeafStore {
     /// Fills leaves that lie at `leaves` (in the order of their numbers).
-    pub fn new<T: Triangles>(contents: &Contents, leaves: &[Leaf], planner: &Planner, triangles: &T) -> Self {
+    pub fn new<T: Triangles>(
+        contents: &Contents,
+        leaves: &[Leaf],
+        planner: &Planner,
+        triangles: &T,
+        cpu: &CpuMeter,
+    ) -> Self {
         let mut store = AlignedWords::zeroed(planner.next as usize * GRAIN + SLACK);
         fill(
             store.as_mut_slice(),
@@ -122,6 +136,7 @@ impl LeafStore {
                 }
             },
             &|number| leaves[number as usize].first + leaves[number as usize].grains(),
+            cpu,
         );
         Self { words: store }
     }
@@ -167,12 +182,13 @@ fn fill(
     order: &[u32],
     write: &(impl Fn(&mut [u32], u32, u32) + Sync),
     end: &(impl Fn(u32) -> u32 + Sync),
+    cpu: &CpuMeter,
 ) {
     if order.len() <= FORK_ABOVE {
-        return order.iter().for_each(|&number| write(words, grain, number));
+        return cpu.measure(|| order.iter().for_each(|&number| write(words, grain, number)));
     }
     let (first, second) = order.split_at(order.len() / 2);
     let middle = end(first[first.len() - 1]);
     let (left, right) = words.split_at_mut((middle - grain) as usize * GRAIN);
-    rayon::join(|| fill(left, grain, first, write, end), || fill(right, middle, second, write, end));
+    rayon::join(|| fill(left, grain, first, write, end, cpu), || fill(right, middle, second, write, end, cpu));
 }

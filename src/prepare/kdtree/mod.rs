@@ -11,6 +11,7 @@ mod bounds;
 mod build;
 mod built;
 mod clip;
+mod cpu;
 mod leaves;
 mod median;
 mod sah;
@@ -25,6 +26,7 @@ use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
 use crate::settings::KdTreeBuilder;
 use bounds::Bounds;
+use cpu::CpuMeter;
 use glam::Vec3;
 use kiln_formats::{Control, Stopped};
 use std::time::Instant;
@@ -73,6 +75,8 @@ pub struct Statistics {
     pub bytes: u64,
     /// Wall seconds of the build.
     pub build_seconds: f64,
+    /// CPU seconds of the build over all threads.
+    pub build_cpu_seconds: f64,
 }
 
 /// A kd-tree over triangles, with a copy of their corners in its leaves.
@@ -94,14 +98,15 @@ impl KdTree {
     /// [`Stopped`] when `control` asks for it.
     pub fn build(triangles: &impl Triangles, options: &BuildOptions, control: &Control) -> Result<Self, Stopped> {
         let begin = Instant::now();
-        let built = build::build(triangles, options, control)?;
+        let cpu = CpuMeter::default();
+        let built = build::build(triangles, options, control, &cpu)?;
         control.check()?;
-        let contents = leaves::Contents::new(&built, triangles);
+        let contents = leaves::Contents::new(&built, triangles, &cpu);
         let wide::collapse::Collapsed { nodes: wide, leaves: places, planner } =
-            wide::collapse::collapse(&built, &contents.pools);
+            cpu.measure(|| wide::collapse::collapse(&built, &contents.pools));
         control.check()?;
-        let leaves = leaves::LeafStore::new(&contents, &places, &planner, triangles);
-        let nodes = binary::compile(&built, &places);
+        let leaves = leaves::LeafStore::new(&contents, &places, &planner, triangles, &cpu);
+        let nodes = cpu.measure(|| binary::compile(&built, &places));
         let bounds = built.cells.first().map_or(Bounds::EMPTY, |root| root.bounds);
         let largest = (0..3).map(|axis| bounds.lo(axis).abs().max(bounds.hi(axis).abs())).fold(0.0, f32::max);
         // Sums with planes may round by half an ulp of the coordinates.
@@ -117,6 +122,7 @@ impl KdTree {
             sah_cost: built.cost(),
             bytes: tree.bytes() as u64,
             build_seconds: begin.elapsed().as_secs_f64(),
+            build_cpu_seconds: cpu.seconds(),
         };
         Ok(tree)
     }
