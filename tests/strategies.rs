@@ -153,7 +153,7 @@ fn all_strategies_and_samplers_agree_on_a_scene_with_everything() {
     assert_eq!(reference.nonfinite, 0);
     for (strategy, sampler, light_samples, spp) in [
         (Strategy::Mis, SamplerKind::Pcg, 3, 512),
-        (Strategy::Light, SamplerKind::Lcg, 1, 512),
+        (Strategy::Light, SamplerKind::Lcg, 1, 1024),
         (Strategy::Bsdf, SamplerKind::Sobol, 1, 1024),
         (Strategy::Cosine, SamplerKind::Xorshift32, 1, 1024),
         (Strategy::Hemisphere, SamplerKind::Sobol, 2, 1024),

@@ -129,7 +129,10 @@ fn textures_of_all_kinds() {
     picture(&asset.join("height.png"), [90, 90, 90, 255]);
     picture(&asset.join("leaf.png"), [0, 255, 0, 128]);
     std::fs::write(asset.join("broken.png"), b"\x89PNG\r\n\x1a\nnothing").unwrap();
-    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\nusemtl d\nf 1 2 3\n";
+    let face = "f 1/1 2/2 3/3";
+    let obj = format!(
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\n{face}\nusemtl b\n{face}\nusemtl c\n{face}\nusemtl d\n{face}\n"
+    );
     let mtl =
         "newmtl a\nKd 0 0 0\nmap_Kd -s 2 2 -clamp on tex tures\\my color.png\nmap_Bump normal.png\nmap_Ke MY COLOR.PNG
 newmtl b\nmap_Kd C:\\somewhere\\else\\leaf.png\nbump height.png\nmap_d -imfchan g leaf.png
@@ -138,7 +141,7 @@ newmtl d\nmap_Kd missing.png\nmap_Ks broken.png\nmap_d height.png\nd 0.5
 newmtl unused\nmap_Kd nobody.png\n";
     // A second name of the first image.
     std::fs::hard_link(asset.join("tex tures/my color.png"), asset.join("my color.png")).unwrap();
-    let imported = import_in(folder.path(), obj, mtl);
+    let imported = import_in(folder.path(), &obj, mtl);
     let mut told = codes(&imported);
     told.sort_unstable();
     assert_eq!(told, ["broken-texture", "bump-map-ignored", "missing-texture"]);

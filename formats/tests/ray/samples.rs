@@ -20,10 +20,10 @@ fn the_still_life_has_two_soft_lights() {
 }
 
 #[test]
-fn the_orrery_is_lit_by_its_sun_alone_and_has_glass() {
+fn the_orrery_is_lit_by_its_sun_and_a_soft_box_and_has_glass() {
     let scene = sample("orrery.ray");
     assert!(scene.lights.is_empty());
-    assert_eq!(scene.materials.iter().filter(|m| !m.emission.is_black()).count(), 1);
+    assert_eq!(scene.materials.iter().filter(|m| !m.emission.is_black()).count(), 2);
     let glass = |s: &Surface| matches!(s, Surface::Phong(p) if !p.transmission.is_black() && p.ior.factor == 1.5);
     assert_eq!(scene.materials.iter().filter(|m| glass(&m.surface)).count(), 2);
 }
