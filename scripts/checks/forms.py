@@ -47,14 +47,16 @@ def irradiance(triangles, point, normal, radiance=1.0):
 def ggx_furnace(alpha, degrees, f0, nodes=500):
     """What single-scattering GGX with height-correlated Smith masking and Schlick's Fresnel reflects of a white world,
     (1/cos θo) ∫ F(o·h) D(h) G2(o, i) (o·h) dh over the normals whose mirror direction i is above the surface, by the
-    midpoint rule in t with tan² θh = α² t/(1 − t), for which D cos θh dh = dt dφ / 2π."""
+    midpoint rule in t with tan² θh = α² t/(1 − t), for which D cos θh dh = dt dφ / 2π; nodes crowd at t = 1, where grazing
+    views have their horizon. 500 nodes are right to 1e-5."""
     ox, oz = sin(radians(degrees)), cos(radians(degrees))
     stretched = lambda cosine: sqrt(cosine**2 + alpha**2 * (1 - cosine**2))
     cosines = [cos((k + 0.5) * pi / nodes) for k in range(nodes)]  # the other half of the azimuths is the mirror image
     total = 0.0
     for k in range(nodes):
-        t = (k + 0.5) / nodes
-        tan2 = alpha**2 * t / (1 - t)
+        left = 1 - (k + 0.5) / nodes
+        t, share = 1 - left**3, 3 * left**2
+        tan2 = alpha**2 * t / left**3
         hz = 1 / sqrt(1 + tan2)
         sine = sqrt(tan2) * hz
         for cosine in cosines:
@@ -62,7 +64,7 @@ def ggx_furnace(alpha, degrees, f0, nodes=500):
             iz = min(2 * oh * hz - oz, 1.0)
             if oh > 0 and iz > 0:
                 g2 = 2 * oz * iz / (oz * stretched(iz) + iz * stretched(oz))
-                total += (f0 + (1 - f0) * (1 - oh) ** 5) * g2 * oh / (oz * hz)
+                total += share * (f0 + (1 - f0) * (1 - oh) ** 5) * g2 * oh / (oz * hz)
     return total / nodes**2
 
 

@@ -4,9 +4,6 @@ use kiln_formats::scene::{Camera, Projection};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-
-
-
 /// One check as its file says it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

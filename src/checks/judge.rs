@@ -148,7 +148,8 @@ mod tests {
 
     #[test]
     fn differences_count_in_standard_errors_and_noise_is_no_excuse() {
-        let verdict = |mean, spread, value, relation| judge(&film(mean, spread), &expect(value, relation), 1e-4).verdict;
+        let verdict =
+            |mean, spread, value, relation| judge(&film(mean, spread), &expect(value, relation), 1e-4).verdict;
         use Relation::{AtLeast, AtMost, Equal};
         // Standard error: spread · √(4/3 / 4) / √16 = 0.144 of the spread.
         assert_eq!(verdict(1.0, 0.1, 1.02, Equal), Verdict::Pass);

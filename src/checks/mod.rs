@@ -6,8 +6,6 @@ mod file;
 mod judge;
 mod run;
 
-pub use file::{
-    CameraSpec, Check, EnvironmentSpec, Expectation, KnownFailure, Level, Relation, RenderSpec, load,
-};
+pub use file::{CameraSpec, Check, EnvironmentSpec, Expectation, KnownFailure, Level, Relation, RenderSpec, load};
 pub use judge::{SIGNIFICANCE, Verdict};
 pub use run::{Row, run};

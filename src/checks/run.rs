@@ -74,8 +74,7 @@ fn run_check(check: &Check, level: f64) -> Result<Vec<Row>, String> {
     };
     let stopped = |_| "stopped".to_string();
     let environment = source(&check.environment);
-    let prepared =
-        prepare(imported.scene, &environment, &PrepareSettings::default(), &control).map_err(stopped)?;
+    let prepared = prepare(imported.scene, &environment, &PrepareSettings::default(), &control).map_err(stopped)?;
     let view = View { camera, width: spec.width, height: spec.height, show_environment: true };
     let mut rows = Vec::new();
     for strategy in &spec.strategies {
