@@ -4,6 +4,7 @@
 //! [`integrate`] fills a [`film::Film`], [`write`](mod@write) makes files of it, and [`batch`] drives all this for a folder.
 
 pub mod batch;
+pub mod checks;
 pub mod film;
 pub mod geometry;
 pub mod integrate;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module of the crate and the modules that it may use.
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("math", &[]),
     ("settings", &["math"]),
     ("geometry", &["math"]),
@@ -16,7 +16,8 @@ const ARROWS: [(&str, &[&str]); 12] = [
     ("integrate", &["film", "geometry", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
     ("write", &["film", "settings"]),
     ("batch", &["film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
-    ("cli", &["batch", "settings"]),
+    ("checks", &["film", "integrate", "math", "prepare", "settings"]),
+    ("cli", &["batch", "checks", "settings"]),
 ];
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {

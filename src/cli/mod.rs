@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, and what they share.
 
 mod batch;
+mod check;
 mod console;
 mod exit;
 mod inspect;
@@ -21,6 +22,7 @@ Examples:
   kiln render chair.glb                       chair.glb.png in the current folder
   kiln render chair.glb -o chair.exr --width 1024 --spp 256
   kiln inspect chair.glb                      what is in it
+  kiln check                                  whether this installation computes light correctly
 
 Exit codes: 0 all done, 1 failed, 2 usage, 3 done in part, 130 interrupted";
 
@@ -39,6 +41,8 @@ enum Command {
     Batch(batch::BatchCommand),
     /// Tell what is in an asset
     Inspect(inspect::InspectCommand),
+    /// Render scenes whose light is known and compare
+    Check(check::CheckCommand),
 }
 
 /// Parses the arguments, does what they ask for and gives the exit code.
@@ -54,6 +58,7 @@ pub fn main() -> ExitCode {
         Command::Render(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Inspect(command) => command.run(),
+        Command::Check(command) => command.run(),
     };
     done.unwrap_or_else(|error| error.report()).into()
 }

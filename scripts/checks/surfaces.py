@@ -1,0 +1,219 @@
+"""Checks of materials: furnaces, glass, mirrors, coverage, textures."""
+from math import cos, pi, radians, sin
+
+from .forms import ggx_furnace, linear_of_srgb, slab
+from .writers import box, glass, icosphere, lambert, material, png, quad, ray_mesh
+
+FLAT = quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))
+WHITE = 1.0
+
+
+def pencil(eye, target, **more):
+    """Every sample follows the same ray."""
+    return {"eye": list(eye), "target": list(target), "vfov_deg": 0.0, **more}
+
+
+def at_angle(degrees):
+    """A pencil onto FLAT, `degrees` from its normal."""
+    return pencil((0.11 + 3 * sin(radians(degrees)), 0.23, 3 * cos(radians(degrees))), (0.11, 0.23, 0))
+
+
+FURNACE = "White furnace: the environment sends 1 from everywhere and a convex body sees nothing else. "
+MATTE = "A Lambert surface reflects albedo · 1."
+
+
+def furnaces(c):
+    for albedo in (0.0, 0.5, 1.0):
+        scene = c.obj(f"cube_{albedo}", ({"Kd": (albedo,) * 3}, box()))
+        c.add(f"furnace-lambert-{albedo}", f"A Lambert cube of albedo {albedo} in a white furnace", scene,
+              FURNACE + MATTE, albedo, {"eye": [5, 4, 3], "target": [0, 0, 0], "height": 1.0}, WHITE)
+    scene = c.obj("sphere_faceted", ({"Kd": (0.8, 0.4, 0.1)}, icosphere(2)))
+    c.add("furnace-lambert-sphere", "A faceted, coloured Lambert sphere in a white furnace", scene, FURNACE + MATTE,
+          [0.8, 0.4, 0.1], {"eye": [0, 0, 4], "target": [0, 0, 0], "height": 1.0}, WHITE)
+    for degrees, roughnesses in ((30, (0.0, 0.02, 0.1, 0.3, 0.5, 0.7, 1.0)), (80, (0.0, 0.1, 0.3, 0.5, 1.0))):
+        for roughness in roughnesses:
+            scene = c.gltf(f"metal_{roughness}", {"triangles": FLAT, "material": material(metallic=1, roughness=roughness)})
+            alpha = roughness**2
+            smooth = alpha < 1e-3
+            expected = 1.0 if smooth else ggx_furnace(alpha, degrees, 1.0)
+            why = ("A perfect mirror (α below 0.001 is one)." if smooth else
+                   f"∫ f cos of single-scattering GGX, α = {alpha:g}, {degrees}° from the normal, F = 1, in double precision "
+                   "(ggx_furnace in scripts/checks/forms.py); light that would bounce twice among the facets is lost.")
+            strategies = ["hemisphere", "cosine", "bsdf", "light", "mis"] if roughness >= 0.5 else ["bsdf", "mis"]
+            c.add(f"furnace-metal-{roughness}-at-{degrees}", f"White metal of roughness {roughness}, seen from {degrees}°",
+                  scene, FURNACE + why, {"value": expected, "relative": 1e-5 if smooth else 1e-4}, at_angle(degrees), WHITE,
+                  strategies=strategies,
+                  # The little that a nearly smooth metal loses is lost by few samples, whose spread must be seen.
+                  spp=4096 if roughness == 0.1 else 1024 if len(strategies) > 2 else 64)
+    gold = [1.0, 0.7, 0.3]
+    scene = c.gltf("gold", {"triangles": FLAT, "material": material(gold, metallic=1, roughness=0.6)})
+    c.add("furnace-gold", "Coloured metal of roughness 0.6, seen from 60°", scene,
+          FURNACE + "∫ f cos as for white metal, with Schlick's F = F0 + (1 − F0)(1 − cos)⁵.",
+          {"value": [ggx_furnace(0.36, 60, f0) for f0 in gold], "relative": 1e-4}, at_angle(60), WHITE, spp=256)
+    for roughness in (0.0, 0.3, 0.6, 1.0):
+        scene = c.gltf(f"plastic_{roughness}", {"triangles": FLAT, "material": material(roughness=roughness)})
+        for degrees in (20, 75):
+            c.add(f"furnace-plastic-{roughness}-at-{degrees}", f"White plastic of roughness {roughness} from {degrees}°", scene,
+                  FURNACE + "Energy-conserving layering: white base under a coat gives back everything; the coat's albedo "
+                  "comes from a table that is documented to be at most 0.005 too low and 0.01 too high.",
+                  [{"value": 1.0, "relative": 0.005, "relation": "at-most"},
+                   {"value": 1.0, "relative": 0.01, "relation": "at-least"}], at_angle(degrees), WHITE,
+                  strategies=["cosine", "bsdf", "light", "mis"] if roughness > 0.5 else ["bsdf", "mis"], spp=256)
+
+
+def clear_glass(c):
+    through = FURNACE + "Clear smooth glass absorbs nothing: every path leads to the environment with weight 1."
+    both = ["bsdf", "light", "mis"]
+    above = {"eye": [0.3, 0.2, 4], "target": [0, 0, 0], "height": 1.6}
+    oblique = {"eye": [3, 2, 4], "target": [0, 0, 0], "height": 1.0}
+    sphere = icosphere(2)
+    for ior in (1.0, 1.0000001, 1.5, 2.4):
+        scene = c.gltf(f"glass_sphere_{ior}", {"triangles": sphere, "material": glass(ior)})
+        c.add(f"furnace-glass-sphere-{ior}", f"A faceted glass sphere of index {ior}", scene,
+              through + " Up to 0.2 % may be caught inside by total reflection for more than 256 bounces.",
+              {"value": 1.0, "relative": 2e-3}, above, WHITE, strategies=both, max_depth=256, spp=256)
+        scene = c.gltf(f"glass_box_{ior}", {"triangles": box(), "material": glass(ior)})
+        c.add(f"furnace-glass-box-{ior}", f"A glass box of index {ior}", scene, through, 1.0, oblique, WHITE,
+              strategies=both, max_depth=128, spp=256)
+    for index in (0.8, 1.3):
+        body = ray_mesh(box(), f"transmissive = (1, 1, 1); index = {index};")
+        c.add(f"furnace-ray-glass-{index}", f"A .ray body of index {index}", c.ray(f"glass_{index}", body), through, 1.0,
+              oblique, WHITE, strategies=both, max_depth=128, spp=256)
+    mirrored = [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    scene = c.gltf("glass_mirrored", {"triangles": box(), "material": glass(1.5), "matrix": mirrored})
+    c.add("furnace-glass-box-mirrored", "A glass box under a reflecting transform", scene, through, 1.0, oblique, WHITE,
+          strategies=both, max_depth=128, spp=256)
+    scene = c.gltf("glass_nested", {"triangles": box(), "material": glass(1.5)},
+                   {"triangles": box((-.5,) * 3, (.5,) * 3), "material": glass(1.5)})
+    c.add("furnace-glass-nested", "A glass box in a glass box", scene, through, 1.0, oblique, WHITE, strategies=both,
+          max_depth=128, spp=256)
+    scene = c.gltf("thin_wall", {"triangles": FLAT, "material": material(roughness=0, transmission={"transmissionFactor": 1})})
+    for degrees in (0, 60, 85):
+        c.add(f"furnace-thin-wall-at-{degrees}", f"A clear thin wall, seen from {degrees}°", scene,
+              FURNACE + "What is not reflected goes straight through.", 1.0, at_angle(degrees), WHITE, strategies=both)
+    for roughness in (0.3, 1.0):
+        scene = c.gltf(f"glass_rough_{roughness}", {"triangles": box(), "material": glass(1.5, roughness)})
+        c.add(f"furnace-rough-glass-{roughness}", f"A box of rough glass, roughness {roughness}, makes no light", scene,
+              FURNACE + "A passive body is never brighter than 1; single-scattering microfacets lose some.",
+              {"value": 1.0, "relation": "at-most", "resolution": 0.05}, oblique, WHITE,
+              strategies=["bsdf", "mis"], max_depth=64, spp=128)
+
+
+def inside_glass(c):
+    box_15 = c.gltf("glass_box_1.5_inside", {"triangles": box(), "material": glass(1.5)})
+    c.add("inside-glass", "The camera inside a glass box", box_15,
+          "In equilibrium with a white world radiance in glass is n² = 2.25: what the camera sees through a face.",
+          2.25, pencil((0.1, 0.2, 0.3), (0.15, 0.1, -1)), WHITE, strategies=["bsdf", "mis"], max_depth=128, spp=256)
+    columns = [[0, 0, 0]] * 4 + [[1, 1, 1]] * 4
+    half = {"rows": [columns] * 4}
+    top, bottom = [(-1, 1, 0), (1, 1, 0), (0, 1, -1)], [(-1, -1, 0), (0, -1, -1), (1, -1, 0)]
+    (a, b, d), (e, g, f) = top, bottom
+    prism = [tuple(top), tuple(bottom), *quad(e, f, b, a), *quad(f, g, d, b), *quad(g, e, a, d)]
+    scene = c.gltf("prism", {"triangles": prism, "material": glass(1.5)})
+    c.add("total-reflection-prism", "A right-angled prism sends light back", scene,
+          "The environment is white at z > 0, black at z < 0. Light into the long face meets the short ones at 45°, beyond "
+          "the critical angle of 41.8°: all of it, and all that the long face reflects, returns to z > 0.",
+          1.0, pencil((0.3, 0.1, 5), (0.3, 0.1, 0)), half, strategies=["bsdf", "light", "mis"], spp=256, max_depth=64)
+    tint = [0.25, 0.5, 0.75]
+    low, high = (-1, -1, -0.25), (1, 1, 0.25)
+    straight = pencil((0.1, 0.2, 3), (0.1, 0.2, 0))
+    scene = c.gltf("absorbing_1", {"triangles": box(low, high), "material": glass(1.0, attenuation=tint)})
+    c.add("absorption-straight", "A slab of index 1 absorbs by Beer and Lambert", scene,
+          "Half a unit of what lets through c per unit: √c.", [t**0.5 for t in tint], straight, WHITE)
+    scene = c.gltf("absorbing_1.5", {"triangles": box(low, high), "material": glass(1.5, attenuation=tint)})
+    c.add("absorption-slab", "An absorbing slab of index 1.5 at normal incidence", scene,
+          "R + T²a/(1 − Ra) with R = ((n − 1)/(n + 1))² = 0.04, T = 1 − R and a = √c: the sum over all inner reflections.",
+          [slab(0.04, t**0.5) for t in tint], straight, WHITE, spp=256, max_depth=32)
+    scene = c.gltf("absorbing_nested", {"triangles": box(low, high), "material": glass(1.0, attenuation=tint)},
+                   {"triangles": box((-.5, -.5, -.125), (.5, .5, .125)), "material": glass(1.0, attenuation=tint[::-1])})
+    c.add("absorption-nested", "An absorbing slab within another", scene,
+          "A quarter unit of the outer and a quarter of the inner body: c_outer^¼ · c_inner^¼.",
+          [(s * t) ** 0.25 for s, t in zip(tint, tint[::-1])], straight, WHITE)
+    body = ray_mesh(box(low, high), "transmissive = (0.25, 0.5, 0.75); index = 1;")
+    c.add("absorption-ray", "A .ray body lets k_t through per unit", c.ray("absorbing", body), "k_t^0.5.",
+          [t**0.5 for t in tint], straight, WHITE)
+    for size in (1e-6, 1e6):
+        matrix = [[size, 0, 0, 0], [0, size, 0, 0], [0, 0, size, 0], [0, 0, 0, 1]]
+        scene = c.gltf(f"absorbing_{size:g}", {"triangles": box(low, high), "matrix": matrix,
+                                               "material": glass(1.0, attenuation=tint) })
+        thick = 0.5 * size
+        value = [t**thick for t in tint]
+        c.add(f"absorption-scale-{size:g}", f"Absorption counts world units: a slab of {thick:g}", scene, "c^thickness.",
+              {"value": value, "absolute": 1e-6}, pencil([size * x for x in (0.1, 0.2, 3)], [size * x for x in (0.1, 0.2, 0)]), WHITE)
+
+
+def mirrors(c):
+    corridor = [*quad((.5, -9, 0), (.5, -9, -20), (.5, 9, -20), (.5, 9, 0))[::-1],
+                *quad((-.5, -9, 0), (-.5, -9, -20), (-.5, 9, -20), (-.5, 9, 0))]
+    for share in (0.8, 0.9, 0.99):
+        scene = c.ray(f"corridor_{share}", ray_mesh(corridor, f"reflective = ({share}, {share}, {share});"))
+        c.add(f"mirror-corridor-{share}", f"Twenty reflections between mirrors of {share}", scene,
+              "At 45° in a corridor 1 wide and 20 long the ray meets a mirror at z = −0.5, −1.5 … −19.5, then the white world.",
+              {"value": share**20, "resolution": 0.05}, pencil((0, 0.3, 0), (1, 0.3, -1)), WHITE, max_depth=32, spp=1024,
+              strategies=["bsdf", "mis"])
+
+
+def coverage(c):
+    sheet = lambda z: quad((-1, -1, z), (1, -1, z), (1, 1, z), (-1, 1, z))
+    front = pencil((0.1, 0.2, 3), (0.1, 0.2, 0))
+    glow = {"Kd": (0, 0, 0), "Ke": (1, 2, 3), "d": 0.25}
+    c.add("alpha-blend", "A glowing sheet of opacity 0.25", c.obj("blend", (glow, sheet(0))),
+          "0.25 · Le + 0.75 · environment.", [0.25 * e + 0.75 * 4 for e in (1, 2, 3)], front, 4.0, spp=1024)
+    c.add("alpha-blend-twice", "Two sheets of opacity 0.25", c.obj("blend_twice", (glow, sheet(0)), (glow, sheet(-0.5))),
+          "0.25 · Le + 0.75 · 0.25 · Le + 0.75² · environment.",
+          [e * (0.25 + 0.1875) + 0.5625 * 4 for e in (1, 2, 3)], front, 4.0, spp=1024)
+    for alpha, shown in ((0.6, 2.0), (0.4, 5.0)):
+        masked = material(alpha=alpha, alphaMode="MASK", alphaCutoff=0.5, emission=2.0, specular={"specularFactor": 0}, color=(0, 0, 0))
+        c.add(f"alpha-mask-{alpha}", f"A mask of alpha {alpha} with cutoff 0.5", c.gltf(f"mask_{alpha}", {"triangles": sheet(0), "material": masked}),
+              "Whole from the cutoff on, else not there.", {"value": shown, "each_pixel": True}, front, 5.0)
+    floor, shade = quad((-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)), quad((-3, -3, 1), (3, -3, 1), (3, 3, 1), (-3, 3, 1))
+    lit = {"name": "p", "type": "point", "intensity": 16.0}
+    matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 4], [0, 0, 0, 1]]
+    scene = c.gltf("blend_shadow", {"triangles": floor, "material": lambert(0.5)},
+                   {"triangles": shade, "material": material((0, 0, 0), alpha=0.25, alphaMode="BLEND", specular={"specularFactor": 0})},
+                   lights=[(lit, matrix)])
+    c.add("alpha-shadow", "The shadow of a sheet of opacity 0.25", scene, "0.75 · ρ/π · I / d².",
+          0.75 * 0.5 / pi * 16 * 4 / 18**1.5, pencil((1, 1, 0.5), (1, -1, 0)), spp=1024)
+    c.add("alpha-shadow-on-edge", "The same shadow, by rays through the edge between the sheet's two triangles", scene,
+          "0.75 · ρ/π · I / d².", 0.75 * 0.5 / pi, pencil((0, 0.1, 0.5), (0, 0, 0)), spp=1024,
+          known={"reason": "a ray exactly through an edge meets both triangles there, and the sheet covers twice"})
+
+
+def textures(c):
+    front = {"eye": [0, 0, 3], "target": [0, 0, 0], "height": 2.0}
+    uvs = [((0, 1), (1, 1), (1, 0)), ((0, 1), (1, 0), (0, 0))]
+    unlit = material(unlit={})
+    c.add("unlit", "An unlit surface shows its colour, whatever lights it",
+          c.gltf("unlit", {"triangles": FLAT, "material": material((0.1, 0.5, 0.9), unlit={})}), "The base colour.",
+          {"value": [0.1, 0.5, 0.9], "each_pixel": True}, front, 7.0)
+    ramp = lambda p: (0.5 + 0.5 * p[0], 0.5 + 0.5 * p[1], 0.25, 1)
+    scene = c.gltf("vertex_colours", {"triangles": FLAT, "material": unlit, "colors": [[ramp(p) for p in t] for t in FLAT]})
+    c.add("vertex-colours", "Vertex colours are interpolated linearly", scene,
+          "Red rises from 0 to 1 from left to right, green from below: their means over an edge column or row of pixels.",
+          [{"value": [0.5, 0.5, 0.25]}, {"value": [0.0625, 0.5, 0.25], "region": [0, 0, 1, 8]},
+           {"value": [0.5, 0.9375, 0.25], "region": [0, 0, 8, 1]}], front, spp=256)
+    texels = [[(255, 0, 100), (0, 255, 100)], [(128, 128, 200), (10, 20, 30)]]
+    textured = material(unlit={}, base_texture={"index": 0})
+    scene = c.gltf("texture", {"triangles": FLAT, "material": textured, "uvs": uvs}, images=[png(2, 2, texels)])
+    value = lambda p: [linear_of_srgb(b) for b in p]
+    regions = [[0, 0, 4, 4], [4, 0, 8, 4], [0, 4, 4, 8], [4, 4, 8, 8]]
+    c.add("texture", "A texture of four texels the right way up", scene,
+          "Each quarter of the picture is one sRGB texel, decoded (IEC 61966-2-1); the first row is the upper one.",
+          [{"value": value(t), "region": r, "each_pixel": True} for t, r in zip(sum(texels, []), regions)], front)
+    tilt = 128 / 255 * 2 - 1
+    mapped = lambert(0.5, normalTexture={"index": 0})
+    scene = c.gltf("normal_map", {"triangles": FLAT, "material": mapped, "uvs": uvs, "normals": [[(0, 0, 1)] * 3] * 2},
+                   images=[png(1, 1, [[(128, 128, 255)]])],
+                   lights=[({"type": "directional", "intensity": 2.0}, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])])
+    c.add("normal-map-flat", "A flat normal map changes nothing", scene,
+          "ρ/π · E · cos; 128/255 is 0.002 more than half, which tilts the normal by 0.3°: cos = 1/√(1 + 2·0.0039²).",
+          0.5 / pi * 2 / (1 + 2 * tilt**2) ** 0.5, pencil((0.1, 0.2, 3), (0.1, 0.2, 0)))
+
+
+def write(c):
+    furnaces(c)
+    clear_glass(c)
+    inside_glass(c)
+    mirrors(c)
+    coverage(c)
+    textures(c)
