@@ -45,7 +45,7 @@ pub(super) fn expand(
 ) -> Result<(), ImportError> {
     let meshes: BTreeSet<usize> = shown.iter().filter_map(|n| Some(root.nodes.get(*n)?.mesh?.value())).collect();
     // Primitives may share a stream; it is decoded once for each set of attributes asked of it.
-    let mut known: BTreeMap<(u32, Vec<(String, u32, usize)>), Decoded> = BTreeMap::new();
+    let mut known = BTreeMap::<_, Decoded>::new();
     let mut left = Allowance { triangles: limits.max_triangles, bytes: FREE_BYTES };
     for m in meshes {
         for p in 0..root.meshes.get(m).map_or(0, |mesh| mesh.primitives.len()) {
