@@ -209,7 +209,8 @@ const MOST: u32 = 1 << 16;
 fn parse(text: &str) -> Result<Check, String> {
     let check: Check = toml::from_str(text).map_err(|e| e.to_string())?;
     let RenderSpec { width, height, spp, .. } = check.render;
-    if width == 0 || height == 0 || width > 256 || height > 256 || spp < 2 || spp > MOST {
+    let sizes = 1..=256;
+    if !sizes.contains(&width) || !sizes.contains(&height) || !(2..=MOST).contains(&spp) {
         return Err(format!("{width}×{height} pixels and {spp} samples: 1 to 256 and 2 to {MOST} are possible"));
     }
     if check.render.strategies.is_empty() || check.expect.is_empty() {
