@@ -1,5 +1,7 @@
 //! One asset as a function: whatever goes wrong is in the outcome.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 use kiln::Control;
 use kiln::batch::{Desk, Job, MemorySink, Outcome, Output, Sink, Stage, Status, run_asset, run_asset_with};
 use kiln::settings::{RenderSettings, Settings, ViewSettings};

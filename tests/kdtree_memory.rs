@@ -1,5 +1,7 @@
 //! What a build takes at its peak. A test of its own, because the peak is the process's.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 use glam::Vec3;
 use kiln::Control;
 use kiln::prepare::kdtree::{BuildOptions, KdTree, Triangles};

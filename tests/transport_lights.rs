@@ -1,5 +1,7 @@
 //! Known answers for lights: cones, fall-offs, soft shadows, the environment's directions, extreme scales.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod common;
 
 use common::{add, cube, lambert, mean_and_error, shoot, sphere, square, view};

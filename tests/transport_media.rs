@@ -1,5 +1,7 @@
 //! Known answers for light inside bodies: absorption, Fresnel slabs, coloured shadows.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod common;
 
 use common::{add, cube, lambert, mean_and_error, shoot, square, view};

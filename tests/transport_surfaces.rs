@@ -1,5 +1,7 @@
 //! Known answers for surfaces: coverage, culling, mirrored placements, cameras, and scenes with next to nothing in them.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod common;
 
 use common::{add, cube, lambert, mean_and_error, shoot, sphere, square, view};

@@ -1,5 +1,7 @@
 //! Materials, textures, cameras and lights of imported glTF.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod gltf_common;
 
 use gltf_common::{triangle, warned};

@@ -1,5 +1,7 @@
 //! Compressed geometry, compressed textures and instanced nodes, from streams encoded here.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod gltf_common;
 
 use draco_core::{

@@ -2,6 +2,8 @@
 //! `KILN_SHARED` names the place that holds them; without it these tests say so and do nothing, unless
 //! `KILN_REQUIRE_SHARED` is set.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod shared;
 
 use kiln_formats::{Control, ErrorCode, ImportError, ImportOptions, Imported, Place, import};

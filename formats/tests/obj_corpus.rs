@@ -1,5 +1,7 @@
 //! Real files from several projects; skipped where there are none (environment variable `KILN_SHARED`).
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod shared;
 
 use kiln_formats::{Control, ErrorCode, ImportOptions, import};

@@ -1,5 +1,7 @@
 //! OBJ geometry at the level of meaning: small files, and what the scene says of them.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 use kiln_formats::scene::{Mesh, Scene};
 use kiln_formats::{Control, ErrorCode, ImportError, ImportOptions, Imported, Limits, import};
 

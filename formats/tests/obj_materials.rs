@@ -1,5 +1,7 @@
 //! MTL files at the level of meaning.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 use image::{Rgba, RgbaImage};
 use kiln_formats::scene::{AlphaMode, Channel, ColorSpace, Material, MetalRough, Surface, Wrap};
 use kiln_formats::{Control, ErrorCode, ImportOptions, Imported, Limits, import};

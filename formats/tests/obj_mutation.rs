@@ -1,5 +1,7 @@
 //! Small files with random damage: whatever happens, it is no panic and no invalid scene.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 use kiln_formats::{Control, Limits, Resources, obj};
 use std::path::Path;
 use std::time::Instant;

@@ -1,5 +1,7 @@
 //! The real binary on small folders.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod batch;
 mod determinism;
 mod inspect;

@@ -1,5 +1,7 @@
 //! The `.ray` importer, by the scenes that it makes and the complaints that it has.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
 mod camera;
 mod corpus;
 mod hostile;
