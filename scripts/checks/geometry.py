@@ -5,8 +5,10 @@ from .writers import box, icosphere, lambert, quad
 
 SERIES = "Le · (1 + a + a² + … + a^depth): in a closed box of one emission and albedo all light is alike. "
 INSIDE = {"eye": [0.3, -0.2, 0.5], "target": [-1, 0.4, -0.8], "vfov_deg": 70.0}
-ALL = ["hemisphere", "cosine", "bsdf", "light", "mis"]
-FOUR = ["cosine", "bsdf", "light", "mis"]
+# Light sampling alone is left out of closed boxes that glow: walls that touch send each other light over distances down
+# to zero, the variance of 1/r^4 over them is infinite, and a standard error says nothing.
+ALL = ["hemisphere", "cosine", "bsdf", "mis"]
+FOUR = ["cosine", "bsdf", "mis"]
 
 
 def matte(albedo, emission):
@@ -54,7 +56,7 @@ def boxes(c):
         scene = c.gltf(f"box_with_{name}", white, {"triangles": box((-.1,) * 3, (.1,) * 3), "material": half, "matrix": m})
         c.add(f"transform-{name}", f"A glowing box with a small one in it, under a {name} transform", scene,
               SERIES + "What is in it has the same emission and albedo, so it cannot be seen.", value, INSIDE, max_depth=8,
-              strategies=["bsdf", "light", "mis"], spp=256)
+              strategies=["bsdf", "mis"], spp=256)
 
 
 def triangles(c):
@@ -73,7 +75,7 @@ def triangles(c):
     nothing = [((0, 0, 0), (0, 0, 0), (0.1, 0, 0)), ((0, 0, 0), (0.1, 0.1, 0.1), (0.2, 0.2, 0.2)), ((0.5, 0.5, 0.5),) * 3]
     add("degenerate", "A glowing box with triangles without area", [(matte(0.5, 1), walls + nothing)])
     add("duplicate", "A glowing box of which every triangle is there twice", [(matte(0.5, 1), walls), (matte(0.5, 1), walls)],
-        **({"known": {"reason": KNOWN_DUPLICATE, "strategies": ["light", "mis"]}}))
+        **({"known": {"reason": KNOWN_DUPLICATE, "strategies": ["light", "mis"]}, "strategies": ["bsdf", "light", "mis"]}))
     dull = {"Kd": (0.5,) * 3}
     overlaid = [((-1, -1, -1), (-1, 1, -1), (1, 1, -1))]
     add("coplanar", "A glowing box with a dull triangle in the plane of a wall, behind it in the file",
