@@ -202,7 +202,7 @@ fn required_extensions_and_versions_are_honoured() {
     let (_, warnings) = b.import().unwrap();
     let places: Vec<_> = warnings.iter().map(|w| (w.code.as_str(), w.place.as_str())).collect();
     assert_eq!(places, [("unsupported-extension", "/extensionsUsed/0")]);
-    b.doc["extensionsRequired"] = json!(["KHR_materials_ior", "KHR_draco_mesh_compression"]);
+    b.doc["extensionsRequired"] = json!(["KHR_materials_ior", "KHR_materials_clearcoat"]);
     let error = b.import().unwrap_err();
     assert_eq!(error.code, ErrorCode::Unsupported);
     assert_eq!(error.place, Place::Json("/extensionsRequired/1".into()));
