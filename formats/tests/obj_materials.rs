@@ -131,9 +131,9 @@ fn textures_of_all_kinds() {
     picture(&asset.join("height.png"), [90, 90, 90, 255]);
     picture(&asset.join("leaf.png"), [0, 255, 0, 128]);
     std::fs::write(asset.join("broken.png"), b"\x89PNG\r\n\x1a\nnothing").unwrap();
-    let face = "f 1/1 2/2 3/3";
+    let face = "f 1/1/1 2/2/1 3/3/1";
     let obj = format!(
-        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\n{face}\nusemtl b\n{face}\nusemtl c\n{face}\nusemtl d\n{face}\n"
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nusemtl a\n{face}\nusemtl b\n{face}\nusemtl c\n{face}\nusemtl d\n{face}\n"
     );
     let mtl =
         "newmtl a\nKd 0 0 0\nmap_Kd -s 2 2 -clamp on tex tures\\my color.png\nmap_Bump normal.png\nmap_Ke MY COLOR.PNG
