@@ -2,9 +2,9 @@
 """Writes the sample assets below scenes/samples, the same bytes on every run. All geometry and pictures come from
 this script and scripts/samples/; the .ray files beside them are written by hand.
 
-    python3 -m venv /tmp/samples-venv
-    /tmp/samples-venv/bin/pip install numpy==2.4.6 pillow==13.0.0
-    /tmp/samples-venv/bin/python scripts/make_samples.py [NAME…]
+    python3 -m venv samples-venv
+    samples-venv/bin/pip install numpy==2.4.6 pillow==13.0.0
+    samples-venv/bin/python scripts/make_samples.py [NAME…]
 
 Other versions of NumPy and Pillow make the same assets, but perhaps not the same bytes.
 """
