@@ -225,12 +225,12 @@ fn own_light_is_light_that_can_be_seen() {
     add(&mut scene, square(), lambert(0.5, 0.0), DAffine3::IDENTITY);
     scene.materials.push(lambert(0.5, 1.0));
     scene.lights.push(Light { color: [0.0; 3], ..sun(DVec3::NEG_Z) });
-    assert!(!has_own_light(&scene));
+    assert!(!has_own_light(&scene, 0.0));
     scene.meshes[0].material = 1;
-    assert!(has_own_light(&scene));
+    assert!(has_own_light(&scene, 0.0));
     scene.meshes[0].material = 0;
     scene.lights.push(sun(DVec3::NEG_Z));
-    assert!(has_own_light(&scene));
+    assert!(has_own_light(&scene, 0.0));
 }
 
 /// Scenes with next to nothing in them, tiny pictures, any number of samples: no panic, nothing that is not finite.

@@ -2,7 +2,7 @@ use super::digest;
 use crate::prepare::{EnvironmentSource, has_own_light};
 use crate::settings::{EnvironmentFile, EnvironmentSettings};
 use crate::write::{exr, srgb};
-use kiln_formats::scene::{Image, Material, Pixels};
+use kiln_formats::scene::{Image, Pixels};
 use kiln_formats::{Format, Limits, Scene, images};
 use std::path::Path;
 use std::sync::Arc;
@@ -66,11 +66,7 @@ fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, String> {
 /// let them light nothing. There only punctual lights count, and emission stronger than the core format can say
 /// (KHR_materials_emissive_strength).
 pub fn lights_itself(scene: &Scene, format: Option<Format>) -> bool {
-    let meant = |m: &Material| m.emission.factor.iter().any(|e| *e > 1.0);
-    match format {
-        Some(Format::Gltf) => !scene.lights.is_empty() || scene.materials.iter().any(meant),
-        _ => has_own_light(scene),
-    }
+    has_own_light(scene, if format == Some(Format::Gltf) { 1.0 } else { 0.0 })
 }
 
 /// The light that an asset gets beside its own, with the manifest's words for what lights it.
@@ -107,7 +103,7 @@ mod tests {
     use super::*;
     use crate::film::Picture;
     use crate::write::Metadata;
-    use kiln_formats::scene::{ColorInput, Instance, Mesh};
+    use kiln_formats::scene::{ColorInput, Instance, Material, Mesh};
 
     #[test]
     fn assets_without_light_get_the_studio_and_it_is_said() {

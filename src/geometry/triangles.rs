@@ -18,8 +18,8 @@ pub struct Part {
     winding: f32,
 }
 
-/// All triangles in the rays' frame. A triangle keeps its corners by value of the shared vertex array; attributes are
-/// read from the scene's meshes.
+/// All triangles in the rays' frame. Positions are copied, once for each placement; attributes
+/// are read from the scene's meshes.
 #[derive(Debug, Default)]
 pub struct Geometry {
     positions: Vec<Vec3>,

@@ -1,6 +1,6 @@
 //! Piecewise constant distributions, sampled by inversion (pbrt 4ed, A.4.7), which keeps stratified numbers stratified.
 
-/// A discrete distribution over `len` items.
+/// A discrete distribution.
 #[derive(Clone, Debug, Default)]
 pub struct Discrete {
     /// `cumulative[i]` is the sum of the first `i` weights.
@@ -50,6 +50,11 @@ impl Discrete {
     /// Sum of all weights.
     pub fn total(&self) -> f64 {
         self.cumulative.last().copied().unwrap_or(0.0)
+    }
+
+    /// Whether any of the first `count` items can be chosen.
+    pub fn any(&self, count: usize) -> bool {
+        self.cumulative[count] > 0.0
     }
 
     /// Probability of item `i` among the first `count` items.

@@ -158,7 +158,7 @@ impl Lights {
 
     /// Whether a sample with this reach can find any light.
     pub fn any(&self, reach: LightReach) -> bool {
-        self.choice.sample(0.5, self.reach(reach)).is_some()
+        self.choice.any(self.reach(reach))
     }
 
     /// Chooses a light and a point on it. `None` when nothing arrives at the receiver from there.

@@ -84,12 +84,12 @@ impl kdtree::Triangles for Geometry {
     }
 }
 
-/// Whether the scene brings light of its own: lights, or surfaces that emit (unlit ones do not count). What is black, and
-/// materials that nothing drawn has, bring none.
-pub fn has_own_light(scene: &Scene) -> bool {
+/// Whether the scene brings light of its own: lights, or surfaces whose emission has a factor above `least` (unlit ones do
+/// not count). What is black, and materials that nothing drawn has, bring none.
+pub fn has_own_light(scene: &Scene, least: f32) -> bool {
     let material = |mesh: u32| &scene.materials[scene.meshes[mesh as usize].material as usize];
-    scene.lights.iter().any(|l| l.color != [0.0; 3])
-        || scene.instances.iter().any(|i| !material(i.mesh).emission.is_black())
+    let emits = |mesh| material(mesh).emission.factor.iter().any(|e| *e > least);
+    scene.lights.iter().any(|l| l.color != [0.0; 3]) || scene.instances.iter().any(|i| emits(i.mesh))
 }
 
 fn tier(asked: AskedTier) -> SimdTier {
