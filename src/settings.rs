@@ -102,6 +102,8 @@ pub struct RenderSettings {
     pub light_samples: u32,
     /// Where random numbers come from.
     pub sampler: SamplerKind,
+    /// Channels of a sample's radiance are cut off here, > 0; `None`: never. Takes away fireflies, and light with them.
+    pub clamp: Option<f32>,
 }
 
 impl Default for RenderSettings {
@@ -113,6 +115,7 @@ impl Default for RenderSettings {
             strategy: Strategy::default(),
             light_samples: 1,
             sampler: SamplerKind::default(),
+            clamp: None,
         }
     }
 }

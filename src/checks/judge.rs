@@ -131,7 +131,7 @@ mod tests {
     fn film(mean: f32, spread: f32) -> Film {
         let mut sums = PixelSums::default();
         (0..8).for_each(|s| sums.add(s, [mean + if s % 2 == 0 { spread } else { -spread }; 4]));
-        Film { width: 4, height: 4, spp: 8, pixels: vec![sums; 16] }
+        Film { width: 4, height: 4, spp: 8, opaque: true, pixels: vec![sums; 16] }
     }
 
     fn expect(value: f64, relation: Relation) -> Expectation {

@@ -139,6 +139,7 @@ impl SettingOptions {
                 strategy: self.strategy,
                 light_samples: self.light_samples,
                 sampler: self.sampler,
+                clamp: None,
             },
             pictures: PictureSettings {
                 tonemap: self.tonemap,

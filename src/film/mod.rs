@@ -14,6 +14,8 @@ pub struct Picture {
 }
 
 /// Sums of a pixel's samples, one per replicate, in double precision and in the order of the samples.
+///
+/// The fourth channel counts the samples that met the asset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelSums {
     sums: [[f64; 4]; REPLICATES as usize],
@@ -35,29 +37,50 @@ impl PixelSums {
     /// Means of the replicates; those without a sample are left out.
     pub fn replicate_means(&self, spp: u32) -> impl Iterator<Item = [f64; 4]> + '_ {
         (0..REPLICATES).filter_map(move |r| {
-            let n = spp / REPLICATES + u32::from(r < spp % REPLICATES);
+            let n = replicate_samples(spp, r);
             (n > 0).then(|| self.sums[r as usize].map(|s| s / f64::from(n)))
         })
     }
+
+    /// Sums of the replicates, all of them.
+    pub fn replicate_sums(&self) -> &[[f64; 4]; REPLICATES as usize] {
+        &self.sums
+    }
 }
 
-/// All pixels' sums, row by row from the top.
+/// How many of `spp` samples belong to replicate `replicate`.
+pub fn replicate_samples(spp: u32, replicate: u32) -> u32 {
+    spp / REPLICATES + u32::from(replicate < spp % REPLICATES)
+}
+
+/// All pixels' sums, row by row from the top. It grows by passes: [`crate::integrate::render_pass`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Samples per pixel.
+    /// Samples per pixel so far.
     pub spp: u32,
+    /// Whether every pixel of the picture is opaque, because the environment shows where the asset is not. The sums
+    /// know what the asset covers all the same.
+    pub opaque: bool,
     /// `width · height` sums.
     pub pixels: Vec<PixelSums>,
 }
 
 impl Film {
+    /// A film without samples.
+    pub fn new(width: u32, height: u32, opaque: bool) -> Self {
+        let pixels = vec![PixelSums::default(); width as usize * height as usize];
+        Self { width, height, spp: 0, opaque, pixels }
+    }
+
     /// The mean of all samples.
     pub fn picture(&self) -> Picture {
-        let pixels = self.pixels.iter().map(|p| p.mean(self.spp).map(|x| x as f32)).collect();
+        let alpha = |a: f64| if self.opaque { 1.0 } else { a };
+        let pixel = |[r, g, b, a]: [f64; 4]| [r, g, b, alpha(a)].map(|x| x as f32);
+        let pixels = self.pixels.iter().map(|p| pixel(p.mean(self.spp))).collect();
         Picture { width: self.width, height: self.height, pixels }
     }
 }
@@ -74,5 +97,14 @@ mod tests {
         let means: Vec<f64> = pixel.replicate_means(6).map(|m| m[0]).collect();
         assert_eq!(means, [2.0, 3.0, 2.0, 3.0]);
         assert_eq!(pixel.replicate_means(2).count(), 2);
+        assert_eq!([0, 1, 2, 3].map(|r| replicate_samples(6, r)), [2, 2, 1, 1]);
+    }
+
+    #[test]
+    fn an_opaque_film_still_knows_what_the_asset_covers() {
+        let mut film = Film::new(1, 1, true);
+        film.pixels[0].add(0, [0.5, 0.5, 0.5, 0.0]);
+        film.spp = 1;
+        assert_eq!((film.pixels[0].mean(1)[3], film.picture().pixels[0]), (0.0, [0.5, 0.5, 0.5, 1.0]));
     }
 }

@@ -3,10 +3,11 @@
 mod camera;
 mod medium;
 mod path;
+mod tile;
 mod trace;
 mod vertex;
 
-use crate::film::{Film, Picture, PixelSums};
+use crate::film::{Film, Picture};
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::RenderSettings;
@@ -15,9 +16,9 @@ use cpu_time::ThreadTime;
 use kiln_formats::scene::Camera;
 use kiln_formats::{Control, Stopped};
 use rayon::prelude::*;
-
-/// Side of the square tiles that threads take in turn.
-const TILE: u32 = 16;
+use std::ops::Range;
+pub use tile::PassTally;
+use tile::Tile;
 
 /// What a picture shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,18 +69,7 @@ pub struct Rendered {
     pub cpu_seconds: f64,
 }
 
-/// A rendered tile: its pixels row by row, and what they cost.
-struct Tile {
-    x: u32,
-    y: u32,
-    width: u32,
-    pixels: Vec<PixelSums>,
-    rays: RayCounts,
-    nonfinite: u64,
-    cpu_seconds: f64,
-}
-
-/// Renders a view on the current rayon pool. The progress counts pixels.
+/// Renders all samples of a view in one pass, on the current rayon pool. The progress counts camera paths.
 ///
 /// # Errors
 /// [`Stopped`] when `control` asks for it.
@@ -89,30 +79,46 @@ pub fn render(
     settings: &RenderSettings,
     control: &Control,
 ) -> Result<Rendered, Stopped> {
-    let (width, height) = (view.width, view.height);
-    control.begin(u64::from(width) * u64::from(height));
-    let camera = RayCamera::new(&view.camera, &scene.frame);
-    let corners: Vec<(u32, u32)> =
-        (0..height.div_ceil(TILE)).flat_map(|y| (0..width.div_ceil(TILE)).map(move |x| (x * TILE, y * TILE))).collect();
-    let tiles = corners
-        .par_iter()
-        .with_max_len(1)
-        .map(|corner| render_tile(scene, view, &camera, settings, *corner, control))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut film =
-        Film { width, height, spp: settings.spp, pixels: vec![PixelSums::default(); width as usize * height as usize] };
-    let (mut rays, mut nonfinite, mut cpu_seconds) = (RayCounts::default(), 0, 0.0);
-    for tile in tiles {
-        for (row, pixels) in tile.pixels.chunks(tile.width as usize).enumerate() {
-            let start = (tile.y as usize + row) * width as usize + tile.x as usize;
-            film.pixels[start..start + pixels.len()].copy_from_slice(pixels);
-        }
-        rays += tile.rays;
-        nonfinite += tile.nonfinite;
-        cpu_seconds += tile.cpu_seconds;
-    }
+    control.begin(u64::from(view.width) * u64::from(view.height) * u64::from(settings.spp));
+    let mut film = Film::new(view.width, view.height, view.show_environment);
+    let PassTally { rays, nonfinite, cpu_seconds, .. } =
+        render_pass(scene, view, settings, &mut film, 0..settings.spp, control)?;
     let picture = film.picture();
     Ok(Rendered { film, picture, spp: settings.spp, rays, nonfinite, cpu_seconds })
+}
+
+/// Adds the samples numbered `samples` of every pixel to a film, on the current rayon pool; `settings.spp` does not
+/// matter. `samples` begins where the film ends. However a range is cut into passes, the film comes out the same, bit for
+/// bit. The progress advances by one for each camera path; the caller begins it.
+///
+/// # Errors
+/// [`Stopped`] when `control` asks for it: then the film is as it was.
+pub fn render_pass(
+    scene: &PreparedScene,
+    view: &View,
+    settings: &RenderSettings,
+    film: &mut Film,
+    samples: Range<u32>,
+    control: &Control,
+) -> Result<PassTally, Stopped> {
+    debug_assert_eq!((film.spp, film.width, film.height), (samples.start, view.width, view.height));
+    let camera = RayCamera::new(&view.camera, &scene.frame);
+    let before = &*film;
+    let tiles = Tile::corners(before)
+        .par_iter()
+        .with_max_len(1)
+        .map(|corner| {
+            let mut tile = Tile::of(before, *corner, settings.clamp);
+            render_tile(scene, view, &camera, settings, &mut tile, samples.clone(), control)?;
+            Ok(tile)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut tally = PassTally::default();
+    for tile in tiles {
+        tally += tile.store(film);
+    }
+    film.spp = samples.end;
+    Ok(tally)
 }
 
 fn render_tile(
@@ -120,43 +126,28 @@ fn render_tile(
     view: &View,
     camera: &RayCamera,
     settings: &RenderSettings,
-    (x0, y0): (u32, u32),
+    tile: &mut Tile,
+    samples: Range<u32>,
     control: &Control,
-) -> Result<Tile, Stopped> {
+) -> Result<(), Stopped> {
     let clock = ThreadTime::now();
-    let (x1, y1) = ((x0 + TILE).min(view.width), (y0 + TILE).min(view.height));
-    let mut tile = Tile {
-        x: x0,
-        y: y0,
-        width: x1 - x0,
-        pixels: Vec::with_capacity(((x1 - x0) * (y1 - y0)) as usize),
-        rays: RayCounts::default(),
-        nonfinite: 0,
-        cpu_seconds: 0.0,
-    };
-    for y in y0..y1 {
-        for x in x0..x1 {
-            let mut sums = PixelSums::default();
-            for sample in 0..settings.spp {
-                // A pixel of many samples takes long.
-                if sample % 64 == 0 {
-                    control.check()?;
-                }
-                let mut sampler = PathSampler::new(settings.sampler, settings.seed, [x, y], sample);
-                let [dx, dy] = sampler.get_2d(0, Purpose::Pixel);
-                let across = |at: u32, within: f32, size: u32| (f64::from(at) + f64::from(within)) / f64::from(size);
-                let ray = camera.ray(across(x, dx, view.width), across(y, dy, view.height));
-                let path = path::trace_path(scene, settings, &mut sampler, ray, view.show_environment, &mut tile.rays);
-                if path.radiance.is_finite() {
-                    sums.add(sample, path.radiance.extend(f32::from(u8::from(path.covered))).to_array());
-                } else {
-                    tile.nonfinite += 1;
-                }
+    for pixel in 0..tile.width * tile.height {
+        let (x, y) = (tile.x + pixel % tile.width, tile.y + pixel / tile.width);
+        for sample in samples.clone() {
+            // A pixel of many samples takes long.
+            if sample % 64 == 0 || sample == samples.start {
+                control.check()?;
             }
-            tile.pixels.push(sums);
-            control.advance(1);
+            let mut sampler = PathSampler::new(settings.sampler, settings.seed, [x, y], sample);
+            let [dx, dy] = sampler.get_2d(0, Purpose::Pixel);
+            let across = |at: u32, within: f32, size: u32| (f64::from(at) + f64::from(within)) / f64::from(size);
+            let ray = camera.ray(across(x, dx, view.width), across(y, dy, view.height));
+            let rays = &mut tile.tally.rays;
+            let path = path::trace_path(scene, settings, &mut sampler, ray, view.show_environment, rays);
+            tile.add(pixel as usize, sample, path.radiance, path.covered);
         }
+        control.advance(u64::from(samples.end - samples.start));
     }
-    tile.cpu_seconds = clock.elapsed().as_secs_f64();
-    Ok(tile)
+    tile.tally.cpu_seconds += clock.elapsed().as_secs_f64();
+    Ok(())
 }

@@ -17,7 +17,7 @@ const ROULETTE_AFTER: u32 = 5;
 /// The most that roulette lets a path survive by.
 const MOST_SURVIVAL: f32 = 0.95;
 
-/// Radiance along a camera ray, and whether it met anything (its coverage).
+/// Radiance along a camera ray, and whether it met the asset (its coverage).
 pub(super) struct PathResult {
     pub radiance: Vec3,
     pub covered: bool,
@@ -56,7 +56,7 @@ pub(super) fn trace_path(
             if depth > 0 || show_environment {
                 radiance += throughput * environment(prepared, settings, reach, &sent, dir);
             }
-            return PathResult { radiance, covered: depth > 0 || show_environment };
+            return PathResult { radiance, covered: depth > 0 };
         };
         inside = inside.met(prepared, &place);
         throughput *= inside.transmittance(prepared, hit.t);

@@ -25,8 +25,8 @@ struct Worker {
     control: Mutex<Option<Control>>,
 }
 
-const STAGE: &str = "  {prefix:8} {bar:24} {share:>5} {left:>6}               {wide_msg}";
-const RENDER: &str = "  {prefix:8} {bar:24} {share:>5} {left:>6} {rate:>12}  {wide_msg}";
+const STAGE: &str = "  {prefix:8} {bar:24} {share:>5} {left:>6}                 {wide_msg}";
+const RENDER: &str = "  {prefix:8} {bar:24} {share:>5} {left:>6} {rate:>14}  {wide_msg}";
 
 fn style(template: &str) -> ProgressStyle {
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
@@ -40,7 +40,7 @@ fn style(template: &str) -> ProgressStyle {
     };
     style
         .with_key("share", tell(|s| format!("{:.0} %", 100.0 * s.fraction())))
-        .with_key("rate", tell(|s| format!("{:.0} kpx/s", 1e-3 * s.per_sec())))
+        .with_key("rate", tell(|s| format!("{:.0} kpaths/s", 1e-3 * s.per_sec())))
         .with_key("left", tell(|s| format!("{:#}", HumanDuration(s.eta()))))
         .progress_chars("━╸ ")
 }

@@ -1,0 +1,7 @@
+//! Passes, the error that a picture states, and asking for one.
+
+#![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod passes;
