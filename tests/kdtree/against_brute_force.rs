@@ -1,5 +1,6 @@
 //! Hit for hit, bit for bit.
 
+use crate::batches;
 use crate::meshes::{self, Random, Soup};
 use glam::Vec3;
 use kiln::Control;
@@ -97,9 +98,11 @@ fn check(name: &str, soup: &Soup, ray_count: usize) {
             let tree = KdTree::build(soup, &options, &Control::default()).unwrap();
             let name = format!("{name}, {builder:?}, {simd}");
             tree.validate(soup).unwrap_or_else(|e| panic!("{name}: {e}"));
-            for ray in rays(soup, ray_count, 17) {
-                check_ray(&name, &tree, soup, &ray);
+            let rays = rays(soup, ray_count, 17);
+            for ray in &rays {
+                check_ray(&name, &tree, soup, ray);
             }
+            batches::check(&name, &tree, &rays, cut_out);
         }
     }
 }

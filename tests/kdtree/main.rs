@@ -2,6 +2,7 @@
 #![allow(clippy::disallowed_methods, reason = "no pixel depends on this arithmetic")]
 
 mod against_brute_force;
+mod batches;
 mod builders;
 mod leaks;
 mod meshes;

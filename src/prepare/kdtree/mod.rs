@@ -5,6 +5,7 @@
 //! the test of [`crate::math::triangle`]; [`slab`] has the reason why no hit is lost.
 
 mod aligned;
+mod batch;
 mod binary;
 mod block;
 mod bounds;
@@ -25,6 +26,7 @@ mod wide;
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
 use crate::settings::KdTreeBuilder;
+pub use batch::{Coherence, HitBatch, NO_TRIANGLE, RayBatch};
 use bounds::Bounds;
 use cpu::CpuMeter;
 use glam::Vec3;

@@ -1,0 +1,135 @@
+//! Many rays at once, side by side in memory: what a wavefront of paths calls.
+//!
+//! A batch finds, bit for bit, what its rays find one by one.
+
+use super::KdTree;
+use crate::math::{Hit, Ray};
+use glam::Vec3;
+
+/// Stands where there is no triangle.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// Rays side by side. All slices are equally long, but `leaves` and `reaches` may be empty when no ray has such a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct RayBatch<'a> {
+    /// Where the rays begin: x, y, z.
+    pub origin: [&'a [f32]; 3],
+    /// Where they go: x, y, z; finite and not zero, of any length.
+    pub dir: [&'a [f32]; 3],
+    /// Where they end, in units of their directions; may be infinite.
+    pub t_max: &'a [f32],
+    /// The triangle that each ray leaves and so never meets, or [`NO_TRIANGLE`].
+    pub leaves: &'a [u32],
+    /// The triangle that each ray ends on and that does not count as met, or [`NO_TRIANGLE`].
+    pub reaches: &'a [u32],
+}
+
+/// What rays found, in slices as long as their batch. On a miss the triangle is [`NO_TRIANGLE`], the distance where the ray ends,
+/// and the weights are zero.
+#[derive(Debug)]
+pub struct HitBatch<'a> {
+    /// Distances in units of the rays' directions.
+    pub t: &'a mut [f32],
+    /// Barycentric weights of the triangles' second corners.
+    pub b1: &'a mut [f32],
+    /// Barycentric weights of the triangles' third corners.
+    pub b2: &'a mut [f32],
+    /// The triangles.
+    pub triangle: &'a mut [u32],
+}
+
+/// Whether neighbours in a batch go like ways. A hint, which never changes what is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coherence {
+    /// They do: rays of a camera in the order of a tile, shadow rays of neighbours to one small light.
+    Coherent,
+    /// They do not: rays after a diffuse bounce.
+    Scattered,
+}
+
+impl RayBatch<'_> {
+    /// Number of rays.
+    ///
+    /// # Panics
+    /// When the slices are not equally long.
+    #[inline]
+    pub fn len(&self) -> usize {
+        let n = self.t_max.len();
+        assert!(self.origin.iter().chain(&self.dir).all(|row| row.len() == n), "rows of a batch are equally long");
+        assert!([self.leaves, self.reaches].iter().all(|row| row.is_empty() || row.len() == n));
+        n
+    }
+
+    /// Whether there are no rays.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.t_max.is_empty()
+    }
+
+    /// A ray.
+    #[inline(always)]
+    pub fn ray(&self, i: usize) -> Ray {
+        let at = |rows: &[&[f32]; 3]| Vec3::new(rows[0][i], rows[1][i], rows[2][i]);
+        Ray { origin: at(&self.origin), dir: at(&self.dir), t_max: self.t_max[i] }
+    }
+
+    /// Whether a ray may not meet a triangle: it leaves it or reaches it.
+    #[inline(always)]
+    pub fn ignores(&self, i: usize, triangle: u32) -> bool {
+        self.leaves.get(i).is_some_and(|&t| t == triangle) || self.reaches.get(i).is_some_and(|&t| t == triangle)
+    }
+}
+
+impl HitBatch<'_> {
+    /// Keeps what a ray found.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, ray: &Ray, hit: Option<Hit>) {
+        let hit = hit.unwrap_or(Hit { t: ray.t_max, triangle: NO_TRIANGLE, b1: 0.0, b2: 0.0 });
+        (self.t[i], self.b1[i], self.b2[i], self.triangle[i]) = (hit.t, hit.b1, hit.b2, hit.triangle);
+    }
+}
+
+impl KdTree {
+    /// [`KdTree::closest`] for each ray of a batch.
+    ///
+    /// # Panics
+    /// When slices are not as long as they have to be; likewise for the other calls on batches.
+    pub fn closest_batch(&self, rays: &RayBatch, coherence: Coherence, hits: &mut HitBatch) {
+        self.closest_batch_where(rays, coherence, hits, |_, _| true);
+    }
+
+    /// [`KdTree::closest_batch`] among the hits that `stops` lets through. It is asked about a ray by its number in the
+    /// batch, in any order, perhaps more than once, also about hits that turn out not to be the nearest.
+    pub fn closest_batch_where(
+        &self,
+        rays: &RayBatch,
+        _coherence: Coherence,
+        hits: &mut HitBatch,
+        mut stops: impl FnMut(usize, &Hit) -> bool,
+    ) {
+        for i in 0..rays.len() {
+            let ray = rays.ray(i);
+            let hit = self.closest(&ray, |hit| !rays.ignores(i, hit.triangle) && stops(i, hit));
+            hits.set(i, &ray, hit);
+        }
+    }
+
+    /// [`KdTree::occluded`] for each ray of a batch.
+    pub fn occluded_batch(&self, rays: &RayBatch, coherence: Coherence, blocked: &mut [bool]) {
+        self.occluded_batch_where(rays, coherence, blocked, |_, _| true);
+    }
+
+    /// [`KdTree::occluded_batch`] by the hits that `stops` lets through; see [`KdTree::closest_batch_where`].
+    pub fn occluded_batch_where(
+        &self,
+        rays: &RayBatch,
+        _coherence: Coherence,
+        blocked: &mut [bool],
+        mut stops: impl FnMut(usize, &Hit) -> bool,
+    ) {
+        assert_eq!(rays.len(), blocked.len());
+        for (i, blocked) in blocked.iter_mut().enumerate() {
+            *blocked = self.occluded(&rays.ray(i), |hit| !rays.ignores(i, hit.triangle) && stops(i, hit));
+        }
+    }
+}
