@@ -8,6 +8,7 @@ pub mod checks;
 pub mod film;
 pub mod geometry;
 pub mod integrate;
+pub mod lanes;
 pub mod lighting;
 pub mod math;
 pub mod prepare;

@@ -6,16 +6,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module of the crate and the modules that it may use.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("math", &[]),
+    ("lanes", &["math"]),
     ("settings", &["math"]),
     ("geometry", &["math"]),
-    ("sampling", &["settings"]),
-    ("shading", &["math"]),
+    ("sampling", &["lanes", "settings"]),
+    ("shading", &["lanes", "math"]),
     ("film", &["sampling"]),
-    ("lighting", &["geometry", "math", "sampling", "settings"]),
-    ("prepare", &["geometry", "lighting", "math", "settings"]),
-    ("integrate", &["film", "geometry", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
+    ("lighting", &["geometry", "lanes", "math", "sampling", "settings"]),
+    ("prepare", &["geometry", "lanes", "lighting", "math", "settings"]),
+    ("integrate", &["film", "geometry", "lanes", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
     ("write", &["film", "settings"]),
     ("batch", &["film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
     ("checks", &["film", "integrate", "math", "prepare", "settings"]),
