@@ -74,6 +74,21 @@ def slab(reflectance, transmittance):
     return r + (1 - r) ** 2 * a / (1 - r * a)
 
 
+def layers(indices, transmittances):
+    """Reflected and transmitted together, in a white world, by parallel plates that touch, at normal incidence and without
+    interference: `indices` from the medium before to the one behind, `transmittances` of the plates between. Plates are
+    added one by one: R = R1 + T1² R2 / (1 − R1' R2) and so on (Stokes 1862)."""
+    fresnel = lambda a, b: ((a - b) / (a + b)) ** 2
+    front, back, through = 0.0, 0.0, 1.0  # reflectances from before and behind, transmittance of what is there so far
+    for k, (a, b) in enumerate(zip(indices, indices[1:])):
+        r = fresnel(a, b)
+        bounces = 1 / (1 - back * r)
+        front, back, through = (front + through**2 * r * bounces, r + (1 - r) ** 2 * back * bounces, through * (1 - r) * bounces)
+        if k < len(transmittances):
+            back, through = back * transmittances[k] ** 2, through * transmittances[k]
+    return front + through
+
+
 def disc_beyond(distance, radius):
     """Share of a disc's area beyond a line at `distance` from its centre."""
     h = distance / radius

@@ -1,5 +1,7 @@
 """Checks of geometry: closed boxes at any scale, transforms, needles, leaks, cameras in odd places."""
-from .forms import glowing_box
+from math import cos, pi, radians, sin
+
+from .forms import cross, dot, glowing_box, minus
 from .surfaces import WHITE, pencil
 from .writers import box, icosphere, lambert, quad
 
@@ -117,15 +119,49 @@ def cameras(c):
 def normals(c):
     sphere = icosphere(1)
     scene = c.gltf("smooth", {"triangles": sphere, "normals": sphere, "material": lambert(1.0)})
-    c.add("normals-smooth", "A coarse white sphere with smooth normals makes no light", scene,
-          "A passive body in a white world is never brighter than 1, however its normals lie; what goes below its faces is lost.",
-          [{"value": 1.0, "relation": "at-most"}, {"value": 0.8, "relation": "at-least"}],
-          {"eye": [0, 0, 4], "target": [0, 0, 0], "height": 1.8}, WHITE, spp=128)
+    c.add("normals-smooth", "A coarse white sphere with smooth normals neither makes light nor loses it", scene,
+          "ρ = 1 in a white world: every direction that the smooth normal leaves open is open.",
+          {"value": 1.0, "each_pixel": True}, {"eye": [0, 0, 4], "target": [0, 0, 0], "height": 1.8}, WHITE, spp=128,
+          strategies=["cosine", "bsdf", "mis"])
     wild = [[(p[2], -p[0], 0.3 * p[1]) for p in t] for t in sphere]
     scene = c.gltf("wild", {"triangles": sphere, "normals": wild, "material": lambert(1.0)})
     c.add("normals-wild", "A sphere whose normals have nothing to do with it", scene,
           "As for smooth normals: at most 1.", {"value": 1.0, "relation": "at-most", "resolution": 0.05},
           {"eye": [0, 0, 4], "target": [0, 0, 0], "height": 1.8}, WHITE, spp=128)
+
+
+def facing(z):
+    """Matrix (rows) of a node whose +Z is the unit vector z: its light comes from there."""
+    x = cross((0, 1, 0), z) if abs(z[1]) < 0.9 else cross((1, 0, 0), z)
+    x = tuple(a / dot(x, x) ** 0.5 for a in x)
+    y = cross(z, x)
+    return [[x[k], y[k], z[k], 0] for k in range(3)] + [[0, 0, 0, 1]]
+
+
+def terminator(c):
+    """Points of a coarse sphere that a light behind their faces' planes still reaches by the smooth normals."""
+    sphere = icosphere(2)
+    for name, degrees in (("lit", 40), ("grazing", 80), ("below-the-face", 87)):
+        # A corner of the mesh straight up, one of the faces around it, and light from beyond that face's upper edge.
+        face = next(t for t in sphere if max(p[2] for p in t) > 0.9)
+        weights = (0.5, 0.3, 0.2)
+        point = tuple(sum(w * p[k] for w, p in zip(weights, face)) for k in range(3))
+        length = sum(x * x for x in point) ** 0.5
+        normal = tuple(x / length for x in point)  # the corners' normals are the corners, so the mixture is the point
+        flat = cross(minus(face[1], face[0]), minus(face[2], face[0]))
+        flat = tuple(x / dot(flat, flat) ** 0.5 for x in flat)
+        # In the plane of both normals, `degrees` from the smooth one, away from the flat one.
+        away = minus(normal, tuple(x * dot(normal, flat) for x in flat))
+        away = minus(away, tuple(x * dot(away, normal) for x in normal))
+        away = tuple(x / dot(away, away) ** 0.5 for x in away)
+        to_light = tuple(cos(radians(degrees)) * n + sin(radians(degrees)) * a for n, a in zip(normal, away))
+        assert (dot(to_light, flat) < 0) == (name == "below-the-face") and dot(flat, normal) > 0
+        scene = c.gltf(f"terminator_{name}", {"triangles": sphere, "normals": sphere, "material": lambert(0.5)},
+                       lights=[({"type": "directional", "intensity": 2.0}, facing(to_light))])
+        c.add(f"terminator-{name}", f"Light {degrees}° from a smooth normal, {name.replace('-', ' ')}", scene,
+              "ρ/π · E · cos with the interpolated normal: the facets of a sphere cast no shadows on it.",
+              {"value": 0.5 / pi * 2 * cos(radians(degrees)), "each_pixel": True, "relative": 1e-4},
+              pencil([4 * x for x in normal], point), spp=4)
 
 
 KNOWN_DUPLICATE = ("coincident emitters are both chosen by light sampling, and both reached, where other sampling meets one")
@@ -136,3 +172,4 @@ def write(c):
     triangles(c)
     cameras(c)
     normals(c)
+    terminator(c)

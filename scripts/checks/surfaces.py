@@ -1,7 +1,7 @@
 """Checks of materials: furnaces, glass, mirrors, coverage, textures."""
 from math import cos, pi, radians, sin
 
-from .forms import ggx_furnace, linear_of_srgb, slab
+from .forms import ggx_furnace, linear_of_srgb, layers, slab
 from .writers import box, glass, icosphere, lambert, material, png, quad, ray_mesh
 
 FLAT = quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))
@@ -129,6 +129,29 @@ def inside_glass(c):
     c.add("absorption-nested", "An absorbing slab within another", scene,
           "A quarter unit of the outer and a quarter of the inner body: c_outer^¼ · c_inner^¼.",
           [(s * t) ** 0.25 for s, t in zip(tint, tint[::-1])], straight, WHITE)
+    second, third = tint[::-1], [0.6, 0.3, 0.9]
+    slab_of = lambda z, colour, ior=1.0: {"triangles": box((-1, -1, z[0]), (1, 1, z[1])), "material": glass(ior, attenuation=colour)}
+    scene = c.gltf("absorbing_in_three", slab_of((-.5, .5), tint), slab_of((-.3, .3), second), slab_of((-.1, .1), third))
+    c.add("absorption-nested-in-three", "A body in a body in a body", scene, "0.4 units of the outer, 0.4 of the second, 0.2 of the third.",
+          [(a * b) ** 0.4 * d**0.2 for a, b, d in zip(tint, second, third)], straight, WHITE)
+    scene = c.gltf("absorbing_overlap", slab_of((-.2, 1), tint), slab_of((-1, .2), second))
+    c.add("absorption-overlap", "Two bodies that overlap: the one entered last counts", scene,
+          "0.8 units of the first body, then 1.2 of the second.", [a**0.8 * b**1.2 for a, b in zip(tint, second)], straight, WHITE)
+    scene = c.gltf("nested_same", slab_of((-.5, .5), tint, 1.5), slab_of((-.25, .25), second, 1.5))
+    c.add("nested-same-index", "Glass in glass of the same index has no surface of its own", scene,
+          "A slab of index 1.5 whose half unit each of two colours takes √c₁·√c₂: R + T²a/(1 − Ra), R = 0.04.",
+          [slab(0.04, (a * b) ** 0.5) for a, b in zip(tint, second)], straight, WHITE, spp=1024, max_depth=32)
+    water = [slab_of((-.5, .5), tint, 1.5), slab_of((-.25, .25), second, 1.33)]
+    takes = lambda k: [tint[k] ** 0.25, second[k] ** 0.5, tint[k] ** 0.25]
+    c.add("nested-liquid", "Water in glass", c.gltf("nested_liquid", *water),
+          "At the inner faces the index counts relative to the glass, 1.33/1.5: the plates are added one by one "
+          "(layers in scripts/checks/forms.py).", [layers([1, 1.5, 1.33, 1.5, 1], takes(k)) for k in range(3)], straight, WHITE,
+          spp=1024, max_depth=64, strategies=["bsdf", "light", "mis"])
+    filled = [slab_of((.2, .5), tint, 1.5), slab_of((-.5, .25), second, 1.33)]
+    c.add("nested-overlap", "Water that reaches a little into the glass before it", c.gltf("nested_overlap", *filled),
+          "One boundary between glass and water, where the water is entered; the end of the glass within it is none.",
+          [layers([1, 1.5, 1.33, 1], [a**0.25, b**0.75]) for a, b in zip(tint, second)], straight, WHITE,
+          spp=1024, max_depth=64, strategies=["bsdf", "light", "mis"])
     body = ray_mesh(box(low, high), "transmissive = (0.25, 0.5, 0.75); index = 1;")
     c.add("absorption-ray", "A .ray body lets k_t through per unit", c.ray("absorbing", body), "k_t^0.5.",
           [t**0.5 for t in tint], straight, WHITE)
@@ -175,8 +198,7 @@ def coverage(c):
     c.add("alpha-shadow", "The shadow of a sheet of opacity 0.25", scene, "0.75 · ρ/π · I / d².",
           0.75 * 0.5 / pi * 16 * 4 / 18**1.5, pencil((1, 1, 0.5), (1, -1, 0)), spp=1024)
     c.add("alpha-shadow-on-edge", "The same shadow, by rays through the edge between the sheet's two triangles", scene,
-          "0.75 · ρ/π · I / d².", 0.75 * 0.5 / pi, pencil((0, 0.1, 0.5), (0, 0, 0)), spp=1024,
-          known={"reason": "a ray exactly through an edge meets both triangles there, and the sheet covers twice"})
+          "0.75 · ρ/π · I / d².", 0.75 * 0.5 / pi, pencil((0, 0.1, 0.5), (0, 0, 0)), spp=1024)
 
 
 def textures(c):

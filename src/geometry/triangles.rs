@@ -153,6 +153,15 @@ impl Geometry {
         if mesh.colors.is_empty() { 1.0 } else { (0..3).map(|k| b[k] * mesh.colors[v[k]][3]).sum() }
     }
 
+    /// World-space unit normals at the corners of a triangle, where the mesh has normals (zero where they are no vectors).
+    pub fn corner_normals(&self, scene: &Scene, triangle: u32) -> Option<[Vec3; 3]> {
+        let (mesh, v) = self.source(scene, triangle);
+        let matrix = self.part(triangle).normal_matrix;
+        // Unit length first: the matrix could leave the range of f32.
+        let world = |i: usize| (matrix * Vec3::from(mesh.normals[i]).normalize_or_zero()).normalize_or_zero();
+        (!mesh.normals.is_empty()).then(|| v.map(world))
+    }
+
     /// Everything that the mesh says about the point with barycentric weights `b`.
     pub fn attributes(&self, scene: &Scene, triangle: u32, b: [f32; 3]) -> Attributes {
         let part = self.part(triangle);

@@ -35,36 +35,92 @@ fn transmittance(prepared: &PreparedScene, material: MaterialId, distance: f32) 
     }
 }
 
-/// Which body the path is in.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Inside(Option<MaterialId>);
+/// Bodies within each other that a path keeps count of; of more, the outermost are forgotten.
+const DEEPEST: usize = 4;
+
+/// Which bodies the path is in, the one entered last at the end. Bodies that overlap go by that order too: light is
+/// bent and absorbed by the one entered last (priorities as in Schmidt & Budge 2002, given by the order of entering).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Inside {
+    bodies: [MaterialId; DEEPEST],
+    depth: usize,
+}
 
 impl Inside {
+    fn last(&self) -> Option<MaterialId> {
+        self.bodies[..self.depth].last().copied()
+    }
+
+    fn entered(mut self, material: MaterialId) -> Self {
+        if self.depth == DEEPEST {
+            self.bodies.copy_within(1.., 0);
+            self.depth -= 1;
+        }
+        self.bodies[self.depth] = material;
+        self.depth += 1;
+        self
+    }
+
+    fn left(mut self, material: MaterialId) -> Self {
+        if let Some(at) = self.bodies[..self.depth].iter().rposition(|m| *m == material) {
+            self.bodies.copy_within(at + 1..self.depth, at);
+            self.depth -= 1;
+        }
+        self
+    }
+
     /// What the path is in, now that it has met `place`.
     ///
     /// A surface met from its back says by itself that the segment before lay inside its body, so a camera inside glass
-    /// needs no special case.
-    pub(super) fn met(self, prepared: &PreparedScene, place: &Place) -> Self {
-        let behind = (!place.front && bounds_body(prepared, place.material)).then_some(place.material);
-        Self(self.0.or(behind))
+    /// needs no special case: the path has been in that body all along, outside of what it has entered since.
+    pub(super) fn met(mut self, prepared: &PreparedScene, place: &Place) -> Self {
+        let known = place.front || !bounds_body(prepared, place.material);
+        if !known && self.depth < DEEPEST && !self.bodies[..self.depth].contains(&place.material) {
+            self.bodies.copy_within(..self.depth, 1);
+            self.bodies[0] = place.material;
+            self.depth += 1;
+        }
+        self
     }
 
     /// Transmittance of a segment inside, over a distance in the rays' frame.
     pub(super) fn transmittance(self, prepared: &PreparedScene, distance: f32) -> Vec3 {
-        self.0.map_or(Vec3::ONE, |material| transmittance(prepared, material, distance))
+        self.last().map_or(Vec3::ONE, |material| transmittance(prepared, material, distance))
     }
 
     /// After the path went through the surface at `place`.
     pub(super) fn crossed(self, prepared: &PreparedScene, place: &Place) -> Self {
         match bounds_body(prepared, place.material) {
-            true if place.front => Self(Some(place.material)),
-            true => Self(None),
+            true if place.front => self.entered(place.material),
+            true => self.left(place.material),
             false => self,
+        }
+    }
+
+    /// Index of refraction around the body whose surface is at `place`: what its own index is relative to.
+    ///
+    /// A body that is left before one entered later has no boundary there: what is around it is as good as itself.
+    /// The index of a `.ray` body is relative already (ray-format.md, section 10: the index outside is 1).
+    pub(super) fn index_around(self, prepared: &PreparedScene, place: &Place) -> f32 {
+        let index = |material: Option<MaterialId>| {
+            let surface = material.map(|m| &prepared.scene.materials[m as usize].surface);
+            match surface {
+                Some(Surface::MetalRough(m)) if m.ior > 0.0 => m.ior,
+                _ => 1.0,
+            }
+        };
+        if place.front {
+            index(self.last())
+        } else if self.last() == Some(place.material) {
+            index(self.left(place.material).last())
+        } else {
+            index(Some(place.material))
         }
     }
 }
 
-fn bounds_body(prepared: &PreparedScene, material: MaterialId) -> bool {
+/// Whether the material is the boundary of a body that absorbs and refracts.
+pub(super) fn bounds_body(prepared: &PreparedScene, material: MaterialId) -> bool {
     match &prepared.scene.materials[material as usize].surface {
         Surface::MetalRough(m) => m.volume.is_some(),
         Surface::Phong(p) => !p.transmission.is_black(),

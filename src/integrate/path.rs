@@ -3,7 +3,7 @@
 use super::RayCounts;
 use super::medium::Inside;
 use super::trace::{Asker, closest, visibility};
-use super::vertex::{Place, Vertex};
+use super::vertex::{Outgoing, Place, Vertex};
 use crate::geometry::emission;
 use crate::lighting::{LightReach, Receiver};
 use crate::prepare::PreparedScene;
@@ -68,14 +68,15 @@ pub(super) fn trace_path(
         if depth == settings.max_depth {
             break;
         }
-        let vertex = Vertex::new(prepared, &hit, place, dir);
+        let index_around = inside.index_around(prepared, &place);
+        let vertex = Vertex::new(prepared, &hit, place, dir, index_around);
         if vertex.bsdf.is_black() {
             break;
         }
         if vertex.bsdf.has_smooth() && prepared.lights.any(reach) {
             radiance += throughput * direct(prepared, settings, reach, sampler, depth, &vertex, inside, rays);
         }
-        let Some((wi, sample)) = scatter(settings.strategy, sampler, depth, &vertex) else { break };
+        let Some((wi, outgoing, sample)) = scatter(settings.strategy, sampler, depth, &vertex) else { break };
         throughput *= sample.weight;
         eta_scale *= sample.eta_scale;
         if sample.transmitted {
@@ -90,9 +91,9 @@ pub(super) fn trace_path(
             throughput /= survival;
         }
         sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), sample.pdf)) };
-        origin = place.spawn(wi);
+        origin = outgoing.origin;
         dir = wi;
-        leaves = Some(place.triangle);
+        leaves = outgoing.leaves;
         rays.bounce += 1;
     }
     PathResult { radiance, covered: true }
@@ -107,7 +108,12 @@ fn reach(strategy: Strategy) -> LightReach {
 }
 
 /// A direction out of the vertex, on the side of the surface that its lobe says.
-fn scatter(strategy: Strategy, sampler: &mut PathSampler, depth: u32, vertex: &Vertex) -> Option<(Vec3, BsdfSample)> {
+fn scatter(
+    strategy: Strategy,
+    sampler: &mut PathSampler,
+    depth: u32,
+    vertex: &Vertex,
+) -> Option<(Vec3, Outgoing, BsdfSample)> {
     let (lobe, u) = (sampler.get_1d(depth, Purpose::Lobe), sampler.get_2d(depth, Purpose::Direction));
     let wo = vertex.wo_local();
     let sample = match strategy {
@@ -115,7 +121,8 @@ fn scatter(strategy: Strategy, sampler: &mut PathSampler, depth: u32, vertex: &V
         Strategy::Cosine => vertex.bsdf.sample_baseline(wo, lobe, u, Baseline::Cosine),
         Strategy::Bsdf | Strategy::Light | Strategy::Mis => vertex.bsdf.sample(wo, lobe, u),
     }?;
-    Some((vertex.world_of(sample.wi)?, sample))
+    let (wi, outgoing) = vertex.world_of(sample.wi)?;
+    Some((wi, outgoing, sample))
 }
 
 /// Light from light samples at the path's vertex number `depth`.
@@ -130,7 +137,6 @@ fn direct(
     inside: Inside,
     rays: &mut RayCounts,
 ) -> Vec3 {
-    let place = &vertex.place;
     let count = settings.light_samples.max(1);
     let receiver = vertex.receiver();
     let mut sum = Vec3::ZERO;
@@ -141,16 +147,15 @@ fn direct(
         else {
             continue;
         };
-        let Some(wi) = vertex.local_of(light.direction) else { continue };
-        let (value, bsdf_pdf) = vertex.bsdf.eval(vertex.wo_local(), wi);
+        let Some(outgoing) = vertex.towards(light.direction) else { continue };
+        let (value, bsdf_pdf) = vertex.bsdf.eval(vertex.wo_local(), outgoing.local);
         if value == Vec3::ZERO {
             continue;
         }
         rays.shadow += 1;
-        let asker =
-            Asker { sampler: *sampler, vertex: depth + 1, draw: k + 1, leaves: Some(place.triangle), eye: false };
-        let inside = if wi.z < 0.0 { inside.crossed(prepared, place) } else { inside };
-        let visible = visibility(prepared, &asker, place, inside, &light);
+        let asker = Asker { sampler: *sampler, vertex: depth + 1, draw: k + 1, leaves: None, eye: false };
+        let inside = if outgoing.local.z < 0.0 { inside.crossed(prepared, &vertex.place) } else { inside };
+        let visible = visibility(prepared, &asker, vertex, &outgoing, inside, &light);
         if visible == Vec3::ZERO {
             continue;
         }

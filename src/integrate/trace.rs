@@ -1,13 +1,13 @@
 //! Rays against the prepared scene, with coverage, culling and coloured shadows.
 
 use super::medium::Inside;
-use super::vertex::Place;
-use crate::geometry::coverage;
+use super::vertex::{Outgoing, Place, Vertex};
+use crate::geometry::{Geometry, coverage};
 use crate::lighting::{LightSample, Target};
 use crate::math::float_error::offset_point;
 use crate::math::{Hit, Ray};
 use crate::prepare::PreparedScene;
-use crate::sampling::{PathSampler, Purpose};
+use crate::sampling::{PathSampler, Purpose, hash_combine};
 use glam::Vec3;
 
 /// Who asks.
@@ -47,9 +47,28 @@ fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool 
     if filters.coverage {
         let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
         let covered = coverage(scene, geometry, hit.triangle, b);
-        return covered >= 1.0 || asker.sampler.fixed(asker.address(), Purpose::Coverage(hit.triangle)) < covered;
+        if covered <= 0.0 || covered >= 1.0 {
+            return covered > 0.0;
+        }
+        let site = coverage_site(geometry, hit.triangle, b);
+        return asker.sampler.fixed(asker.address(), Purpose::Coverage(site)) < covered;
     }
     true
+}
+
+/// Names what of a triangle the point with barycentric weights `b` lies on: the triangle, or an edge or corner, which
+/// neighbours that share it name alike. A ray exactly through an edge meets all triangles there; when they decide by the
+/// same number whether they stop it, a sheet is a single layer at its inner edges, too.
+fn coverage_site(geometry: &Geometry, triangle: u32, b: [f32; 3]) -> u32 {
+    // The weight of the first corner is what is left of 1, and so only zero but for rounding.
+    let on = b.map(|weight| weight > f32::EPSILON);
+    if on == [true; 3] {
+        return triangle;
+    }
+    let corners = geometry.corners(triangle);
+    let name = |corner: Vec3| corner.to_array().map(|x| (x + 0.0).to_bits()).into_iter().fold(0, hash_combine);
+    // A sum: neighbours run along an edge in opposite directions.
+    (0..3).filter(|k| on[*k]).fold(0, |sum: u32, k| sum.wrapping_add(name(corners[k])))
 }
 
 /// The nearest surface from `origin` along the unit vector `dir`.
@@ -58,30 +77,28 @@ pub(super) fn closest(prepared: &PreparedScene, asker: &Asker, origin: Vec3, dir
     prepared.tree.closest(&ray, |hit| stops(prepared, asker, hit, dir))
 }
 
-/// The share of a light sample that arrives at a vertex: zero, or what bodies on the way let through. `inside` tells
-/// what the shadow ray begins in.
+/// The share of a light sample that arrives at a vertex by its direction `shading`: zero, or what bodies on the way let
+/// through. `inside` tells what the shadow ray begins in; `asker` need not say what the ray leaves.
 pub(super) fn visibility(
     prepared: &PreparedScene,
     asker: &Asker,
-    from: &Place,
+    vertex: &Vertex,
+    shading: &Outgoing,
     inside: Inside,
     light: &LightSample,
 ) -> Vec3 {
+    let mut asker = Asker { leaves: shading.leaves, ..*asker };
+    let origin = shading.origin;
     let (ray, end) = match light.target {
-        Target::Infinity => {
-            let origin = from.spawn(light.direction);
-            (Ray { origin, dir: light.direction, t_max: f32::INFINITY }, None)
-        }
+        Target::Infinity => (Ray { origin, dir: light.direction, t_max: f32::INFINITY }, None),
         Target::Point(point) => {
             // Points of a disc may lie below the horizon though its centre, which shades, does not.
-            if !from.same_side(point - from.point, light.direction) {
-                return Vec3::ZERO;
-            }
-            let origin = from.spawn(point - from.point);
-            (Ray { origin, dir: point - origin, t_max: 1.0 }, None)
+            let out = vertex.towards(point - vertex.receiver().point);
+            let Some(out) = out.filter(|o| (o.local.z > 0.0) == (shading.local.z > 0.0)) else { return Vec3::ZERO };
+            asker.leaves = out.leaves;
+            (Ray { origin: out.origin, dir: point - out.origin, t_max: 1.0 }, None)
         }
         Target::Triangle { triangle, point, error, normal } => {
-            let origin = from.spawn(point - from.point);
             let point = offset_point(point, error, normal, origin - point);
             (Ray { origin, dir: point - origin, t_max: 1.0 }, Some(triangle))
         }
@@ -95,7 +112,7 @@ pub(super) fn visibility(
     };
     let mut tinted = false;
     let blocked = prepared.tree.occluded(&ray, |hit| {
-        if end == Some(hit.triangle) || !stops(prepared, asker, hit, ray.dir) {
+        if end == Some(hit.triangle) || !stops(prepared, &asker, hit, ray.dir) {
             return false;
         }
         let tints = light.through_glass && tints(hit);
@@ -106,7 +123,7 @@ pub(super) fn visibility(
         return Vec3::ZERO;
     }
     if tinted {
-        return straight_transmittance(prepared, asker, &ray, inside, tints);
+        return straight_transmittance(prepared, &asker, &ray, inside, tints);
     }
     rest(prepared, inside, &ray)
 }
@@ -126,12 +143,12 @@ fn straight_transmittance(
     mut inside: Inside,
     tints: impl Fn(&Hit) -> bool,
 ) -> Vec3 {
-    // More layers than this are black for all practical purposes, and the loop must end.
-    const MOST_CROSSINGS: u32 = 64;
+    // A line meets each triangle once, and once more where rounding has it so: the loop must end.
+    let most_crossings = 2 * prepared.geometry.len();
     let mut transmittance = Vec3::ONE;
     let (mut origin, mut leaves) = (ray.origin, asker.leaves);
     let end = ray.origin + ray.dir * if ray.t_max.is_finite() { ray.t_max } else { 0.0 };
-    for _ in 0..MOST_CROSSINGS {
+    for _ in 0..=most_crossings {
         let (dir, t_max) = if ray.t_max.is_finite() { (end - origin, 1.0) } else { (ray.dir, f32::INFINITY) };
         let segment = Ray { origin, dir, t_max };
         let here = Asker { leaves, ..*asker };
@@ -141,6 +158,9 @@ fn straight_transmittance(
         let Some(place) = Place::new(prepared, &hit, dir) else { return transmittance };
         inside = inside.met(prepared, &place);
         transmittance *= inside.transmittance(prepared, hit.t * dir.length());
+        if transmittance == Vec3::ZERO {
+            break;
+        }
         inside = inside.crossed(prepared, &place);
         origin = place.spawn(dir);
         leaves = Some(hit.triangle);

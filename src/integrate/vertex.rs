@@ -19,7 +19,7 @@ pub(super) struct Place {
     pub triangle: u32,
     pub material: MaterialId,
     pub point: Vec3,
-    /// Bound on the rounding error of each coordinate of `point`.
+    /// How far off the surface rays have to start, along each axis.
     error: Vec3,
     /// Unit geometric normal on the viewer's side.
     normal: Vec3,
@@ -35,11 +35,16 @@ impl Place {
         let [p0, p1, p2] = [corners[0] * (1.0 - hit.b1 - hit.b2), corners[1] * hit.b1, corners[2] * hit.b2];
         let outward = geometry.front_normal(hit.triangle).try_normalize()?.as_vec3();
         let front = dir.dot(outward) < 0.0;
+        // The point is rounded, and so is where the next ray will seem to meet a neighbour in the same plane: within
+        // 15 u of the neighbour's size (`kdtree::slab`), for which this triangle's stands.
+        let rounding = (p0.abs() + p1.abs() + p2.abs()) * gamma(7);
+        let [lo, hi] = [corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2])];
+        let neighbours = (hi - lo).max_element() * gamma(15);
         Some(Self {
             triangle: hit.triangle,
             material: geometry.material(&prepared.scene, hit.triangle),
             point: p0 + p1 + p2,
-            error: (p0.abs() + p1.abs() + p2.abs()) * gamma(7),
+            error: rounding + neighbours,
             normal: if front { outward } else { -outward },
             front,
         })
@@ -50,25 +55,36 @@ impl Place {
     pub(super) fn spawn(&self, direction: Vec3) -> Vec3 {
         offset_point(self.point, self.error, self.normal, direction)
     }
-
-    /// Whether two directions lie on the same side of the surface.
-    pub(super) fn same_side(&self, a: Vec3, b: Vec3) -> bool {
-        (a.dot(self.normal) > 0.0) == (b.dot(self.normal) > 0.0)
-    }
 }
 
 /// A path's vertex on a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     pub place: Place,
+    /// Where what is reflected starts: the place, or above it on the smooth surface that the triangle stands for.
+    point: Vec3,
+    /// Whether `point` is so far above the triangle that directions below its plane are open, too.
+    lifted: bool,
     frame: Frame,
     wo_local: Vec3,
     pub bsdf: Bsdf,
 }
 
+/// A direction of scattering at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outgoing {
+    /// In the shading frame.
+    pub local: Vec3,
+    /// Where the ray begins.
+    pub origin: Vec3,
+    /// The triangle that the ray cannot meet: it starts on it, and goes away from it.
+    pub leaves: Option<u32>,
+}
+
 impl Vertex {
-    /// The vertex at a hit, which is at `place`, seen against the unit direction `dir`.
-    pub(super) fn new(prepared: &PreparedScene, hit: &Hit, place: Place, dir: Vec3) -> Self {
+    /// The vertex at a hit, which is at `place`, seen against the unit direction `dir`. `index_around` is the index of
+    /// refraction around the body that the surface bounds.
+    pub(super) fn new(prepared: &PreparedScene, hit: &Hit, place: Place, dir: Vec3, index_around: f32) -> Self {
         let (scene, geometry) = (&prepared.scene, &prepared.geometry);
         let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
         let (wo, front) = (-dir, place.front);
@@ -82,8 +98,14 @@ impl Vertex {
         };
         let frame = Frame::from_normal(visible_normal(shading, place.normal, wo));
         let wo_local = frame.to_local(wo);
-        let bsdf = bsdf(prepared, hit.triangle, material, &attributes, b, front, wo_local.z);
-        Self { place, frame, wo_local, bsdf }
+        let bsdf = bsdf(prepared, hit.triangle, material, &attributes, b, front, index_around, wo_local.z);
+        // Light samples aim from one point, and what is transmitted starts at the triangle.
+        let smooth = attributes.normal.is_some() && !bsdf.transmits_smoothly();
+        let lift = if smooth { lift(prepared, &place, b) } else { Vec3::ZERO };
+        // Twice the offset of spawned rays: beyond all that rounding could feign.
+        let lifted = lift.dot(place.normal) > 2.0 * place.normal.abs().dot(place.error);
+        let point = if lifted { place.point + lift } else { place.point };
+        Self { place, point, lifted, frame, wo_local, bsdf }
     }
 
     /// Direction to the viewer in the shading frame.
@@ -91,23 +113,54 @@ impl Vertex {
         self.wo_local
     }
 
-    /// A shading-frame direction in the world, unless shading and geometric normal disagree on its side.
-    pub(super) fn world_of(&self, wi_local: Vec3) -> Option<Vec3> {
+    /// A shading-frame direction in the world, and how its ray begins; `None` where shading and geometric normal disagree
+    /// on its side and nothing mends that.
+    pub(super) fn world_of(&self, wi_local: Vec3) -> Option<(Vec3, Outgoing)> {
         let wi = self.frame.to_world(wi_local);
-        ((wi.dot(self.place.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi)
+        Some((wi, self.outgoing(wi, wi_local)?))
     }
 
-    /// A world direction in the shading frame, unless shading and geometric normal disagree on its side.
-    pub(super) fn local_of(&self, wi: Vec3) -> Option<Vec3> {
-        let wi_local = self.frame.to_local(wi);
-        ((wi.dot(self.place.normal) > 0.0) == (wi_local.z > 0.0)).then_some(wi_local)
+    /// How a ray along a world direction begins; `None` where shading and geometric normal disagree on its side and nothing
+    /// mends that.
+    pub(super) fn towards(&self, wi: Vec3) -> Option<Outgoing> {
+        self.outgoing(wi, self.frame.to_local(wi))
+    }
+
+    fn outgoing(&self, wi: Vec3, local: Vec3) -> Option<Outgoing> {
+        let Place { triangle, error, normal, .. } = self.place;
+        let (above, reflected) = (wi.dot(normal) > 0.0, local.z > 0.0);
+        if above == reflected {
+            let origin = if reflected { self.point } else { self.place.point };
+            return Some(Outgoing { local, origin: offset_point(origin, error, normal, wi), leaves: Some(triangle) });
+        }
+        // From above the triangle it may pass beyond its edges, or be stopped by it.
+        (reflected && self.lifted).then_some(Outgoing { local, origin: self.point, leaves: None })
     }
 
     /// The vertex as a receiver of light.
     pub(super) fn receiver(&self) -> Receiver {
-        let both_sides = self.bsdf.transmits_smoothly();
-        Receiver { point: self.place.point, normal: self.place.normal, both_sides }
+        Receiver { point: self.point, normal: self.frame.z, both_sides: self.bsdf.transmits_smoothly() }
     }
+}
+
+/// From a place to the smooth surface that its triangle stands for: away from the chord, by the mean of what leads to the
+/// planes of the corners' normals (Hanika 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4). Zero
+/// where the surface is not convex to the viewer.
+///
+/// Without it, directions that the shading normal says are open begin below the facets, and are lost: dark triangles along
+/// every shadow's edge.
+fn lift(prepared: &PreparedScene, place: &Place, b: [f32; 3]) -> Vec3 {
+    let Some(normals) = prepared.geometry.corner_normals(&prepared.scene, place.triangle) else { return Vec3::ZERO };
+    let corners = prepared.geometry.corners(place.triangle);
+    let mut lift = Vec3::ZERO;
+    for k in 0..3 {
+        let normal = if place.front { normals[k] } else { -normals[k] };
+        // A normal that disagrees with the face tells nothing of a surface near it.
+        if normal.dot(place.normal) > 0.0 {
+            lift -= normal * (b[k] * (place.point - corners[k]).dot(normal).min(0.0));
+        }
+    }
+    lift
 }
 
 /// The shading normal on the viewer's side of the surface, bent towards the viewer where he would be below its
@@ -131,6 +184,7 @@ fn mapped_normal(prepared: &PreparedScene, map: &NormalMap, normal: Vec3, attrib
     (tangent * (texel.x * map.scale) + bitangent * (texel.y * map.scale) + normal * texel.z).try_normalize()
 }
 
+#[expect(clippy::too_many_arguments, reason = "what a material depends on")]
 fn bsdf(
     prepared: &PreparedScene,
     triangle: u32,
@@ -138,6 +192,7 @@ fn bsdf(
     attributes: &Attributes,
     b: [f32; 3],
     front: bool,
+    index_around: f32,
     cos_o: f32,
 ) -> Bsdf {
     let (scene, uv) = (&prepared.scene, &attributes.uv);
@@ -150,7 +205,7 @@ fn bsdf(
                 roughness: scalar(scene, &m.roughness, uv),
                 specular: scalar(scene, &m.specular, uv),
                 specular_color: color(scene, &m.specular_color, uv),
-                ior: m.ior,
+                ior: if m.volume.is_some() { m.ior / index_around } else { m.ior },
                 transmission: scalar(scene, &m.transmission, uv),
                 thin_walled: m.volume.is_none(),
                 entering: front,

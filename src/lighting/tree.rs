@@ -9,7 +9,7 @@ use glam::Vec3;
 pub struct Receiver {
     /// The point, in the rays' frame.
     pub point: Vec3,
-    /// Unit geometric normal on the viewer's side.
+    /// Unit shading normal on the viewer's side.
     pub normal: Vec3,
     /// Whether light from behind counts as well.
     pub both_sides: bool,
