@@ -11,6 +11,7 @@ pub mod integrate;
 pub mod lanes;
 pub mod lighting;
 pub mod math;
+pub mod metrics;
 pub mod prepare;
 pub mod sampling;
 pub mod settings;

@@ -18,9 +18,10 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("prepare", &["geometry", "lanes", "lighting", "math", "settings"]),
     ("integrate", &["film", "geometry", "lanes", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
     ("write", &["film", "settings"]),
+    ("metrics", &["film", "settings", "write"]),
     ("batch", &["film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
     ("checks", &["film", "integrate", "math", "prepare", "settings"]),
-    ("cli", &["batch", "checks", "settings"]),
+    ("cli", &["batch", "checks", "metrics", "settings", "write"]),
 ];
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {

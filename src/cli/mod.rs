@@ -2,6 +2,7 @@
 
 mod batch;
 mod check;
+mod compare;
 mod console;
 mod exit;
 mod inspect;
@@ -22,6 +23,7 @@ Examples:
   kiln render chair.glb                       chair.glb.png in the current folder
   kiln render chair.glb -o chair.exr --width 1024 --spp 256
   kiln inspect chair.glb                      what is in it
+  kiln compare new.png old.png                how much two pictures differ
   kiln check                                  whether this installation computes light correctly
 
 Exit codes: 0 all done, 1 failed, 2 usage, 3 done in part, 130 interrupted";
@@ -41,6 +43,8 @@ enum Command {
     Batch(batch::BatchCommand),
     /// Tell what is in an asset
     Inspect(inspect::InspectCommand),
+    /// Tell how much two pictures differ
+    Compare(compare::CompareCommand),
     /// Render scenes whose light is known and compare
     Check(check::CheckCommand),
 }
@@ -58,6 +62,7 @@ pub fn main() -> ExitCode {
         Command::Render(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Inspect(command) => command.run(),
+        Command::Compare(command) => command.run(),
         Command::Check(command) => command.run(),
     };
     done.unwrap_or_else(|error| error.report()).into()

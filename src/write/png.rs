@@ -28,6 +28,21 @@ pub fn encode(picture: &DisplayPicture, bits: BitDepth, metadata: &Metadata) -> 
     Ok(bytes)
 }
 
+/// Encodes 8-bit sRGB pixels, row by row from the top, without any metadata: plots and maps.
+///
+/// # Errors
+/// When the picture is too large for the format or the pixels are not `width` times a whole number.
+pub fn encode_rgb8(width: u32, pixels: &[[u8; 3]]) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, (pixels.len() / width.max(1) as usize) as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels.as_flattened())?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
 /// Quantised samples, 16-bit ones with the high byte first.
 fn samples(picture: &DisplayPicture, bits: BitDepth) -> Vec<u8> {
     let channels = if picture.opaque { 3 } else { 4 };

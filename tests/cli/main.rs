@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
 
 mod batch;
+mod compare;
 mod determinism;
 mod inspect;
 mod interrupt;
