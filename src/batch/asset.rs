@@ -56,10 +56,10 @@ pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
 }
 
 /// Why an asset's pictures are not all there.
-struct Failure {
-    code: String,
-    message: String,
-    stopped: bool,
+pub(super) struct Failure {
+    pub code: String,
+    pub message: String,
+    pub stopped: bool,
 }
 
 impl Failure {
@@ -67,7 +67,7 @@ impl Failure {
         Self { code: code.into(), message: message.into(), stopped: false }
     }
 
-    fn of_panic(panic: &(dyn Any + Send)) -> Self {
+    pub fn of_panic(panic: &(dyn Any + Send)) -> Self {
         let text = panic.downcast_ref::<&str>().map(|s| s.to_string());
         let text = text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default();
         Self::new(ErrorCode::Internal.as_str(), format!("a defect in Kiln, please report it: {text}"))
@@ -90,15 +90,31 @@ impl From<ImportError> for Failure {
     }
 }
 
-struct Work<'a> {
-    job: &'a Job,
-    control: &'a Control,
-    desk: &'a Desk<'a>,
-    outcome: &'a mut Outcome,
+/// A job under way.
+pub(super) struct Work<'a> {
+    pub job: &'a Job,
+    pub control: &'a Control,
+    pub desk: &'a Desk<'a>,
+    pub outcome: &'a mut Outcome,
 }
 
 impl Work<'_> {
     fn run(&mut self) -> Result<(), Failure> {
+        let (prepared, views, exposure) = self.make_ready()?;
+        for (index, view) in views.iter().enumerate() {
+            let stage = Stage::Render { view: index as u32, views: views.len() as u32 };
+            self.begin(stage);
+            let clock = StageClock::begin();
+            let rendered = render(&prepared, view, &self.job.settings.render, self.control)?;
+            self.count(&rendered);
+            self.outcome.seconds.render += clock.seconds().0;
+            self.write(&rendered, index as u32, exposure)?;
+        }
+        Ok(())
+    }
+
+    /// All that comes before the pictures: the scene, its views and their exposure.
+    pub fn make_ready(&mut self) -> Result<(PreparedScene, Vec<View>, f64), Failure> {
         self.control.check()?;
         let (scene, environment, views) = self.import()?;
         let mut prepared = self.prepare(scene, &environment)?;
@@ -110,16 +126,7 @@ impl Work<'_> {
         }
         self.lighten(&mut prepared, &views)?;
         let exposure = self.exposure(&prepared, &views)?;
-        for (index, view) in views.iter().enumerate() {
-            let stage = Stage::Render { view: index as u32, views: views.len() as u32 };
-            self.begin(stage);
-            let clock = StageClock::begin();
-            let rendered = render(&prepared, view, &self.job.settings.render, self.control)?;
-            self.count(&rendered);
-            self.outcome.seconds.render += clock.seconds().0;
-            self.write(&rendered, index as u32, exposure)?;
-        }
-        Ok(())
+        Ok((prepared, views, exposure))
     }
 
     /// Tells of a stage, whose progress begins anew.

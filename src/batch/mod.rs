@@ -11,6 +11,7 @@ mod facts;
 mod job;
 mod manifest;
 mod outcome;
+mod ready;
 mod run;
 mod sink;
 mod stages;
@@ -24,6 +25,7 @@ pub use facts::{AssetFacts, CameraFacts, LightFacts, MaterialFacts, TextureFacts
 pub use job::{Job, Output, Stage};
 pub use manifest::Manifest;
 pub use outcome::{Outcome, OutputRecord, Rays, SceneFacts, StageSeconds, Status};
+pub use ready::{Ready, make_ready};
 pub use run::{Assignment, Observer, run};
 pub use sink::{FileSink, MemorySink, Sink};
 pub use view_file::ViewFile;
