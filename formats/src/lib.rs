@@ -3,6 +3,7 @@
 //! [`import`] reads a `.gltf`, `.glb`, `.obj` or `.ray` file with everything that it refers to and gives one
 //! validated [`Scene`], warnings about what it could not honour, or an error that names the place.
 
+pub mod contents;
 mod control;
 mod error;
 pub mod gltf;
@@ -13,12 +14,15 @@ pub mod ray;
 pub mod repair;
 pub mod resources;
 pub mod scene;
+mod show;
 
+pub use contents::Contents;
 pub use control::{Control, Stopped};
 pub use error::{ErrorCode, ImportError, Place, Warning};
 pub use limits::Limits;
 pub use resources::Resources;
 pub use scene::Scene;
+pub use show::Show;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -54,6 +58,8 @@ pub struct ImportOptions {
     pub limits: Limits,
     /// The folder that references may not leave; by default the parent of the asset's folder.
     pub root: Option<PathBuf>,
+    /// Which of its looks to show.
+    pub show: Show,
 }
 
 /// What one asset gives.
@@ -65,6 +71,8 @@ pub struct Imported {
     pub warnings: Vec<Warning>,
     /// Canonical paths of all files read, the asset first.
     pub files: Vec<PathBuf>,
+    /// What the file says about itself.
+    pub contents: Contents,
 }
 
 /// Reads an asset.
@@ -76,11 +84,11 @@ pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result
     let format = Format::of(path)
         .ok_or_else(|| ImportError::new(ErrorCode::UnknownFormat, "is not a .gltf, .glb, .obj or .ray file"))?;
     let mut resources = Resources::new(path, options.root.as_deref(), options.limits)?;
-    let mut warnings = Vec::new();
+    let (mut warnings, mut contents) = (Vec::new(), Contents::default());
     let run = AssertUnwindSafe(|| {
         let bytes = resources.read_asset(path)?;
         match format {
-            Format::Gltf => gltf::import(bytes, &mut resources, &mut warnings, control),
+            Format::Gltf => gltf::import(bytes, &mut resources, &options.show, &mut contents, &mut warnings, control),
             Format::Obj => obj::import(bytes, &mut resources, &mut warnings, control),
             Format::Ray => ray::import(bytes, &mut resources, &mut warnings, control),
         }
@@ -95,5 +103,5 @@ pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result
             format!("{} triangles exceed the limit of {}", scene.triangle_count(), options.limits.max_triangles);
         return Err(ImportError::new(ErrorCode::TooLarge, message));
     }
-    Ok(Imported { scene, warnings, files: resources.files_read().to_vec() })
+    Ok(Imported { scene, warnings, files: resources.files_read().to_vec(), contents })
 }

@@ -54,15 +54,28 @@ pub(super) fn check_version(document: &Value) -> Result<(), ImportError> {
     }
 }
 
-/// Reads the typed model. Animations are left out.
+/// Takes the part of the typed model out of a document that says where data are: accessors, buffers and their views.
+///
+/// # Errors
+/// [`ErrorCode::Invalid`] with the JSON pointer of the first of them that has a wrong form.
+pub(super) fn storage(document: &mut Value) -> Result<json::Root, ImportError> {
+    Ok(json::Root {
+        accessors: strict(document, "accessors")?,
+        buffers: strict(document, "buffers")?,
+        buffer_views: strict(document, "bufferViews")?,
+        ..json::Root::default()
+    })
+}
+
+/// Reads the rest of the typed model, all but animations.
 ///
 /// # Errors
 /// [`ErrorCode::Invalid`] with the JSON pointer of the first element of the geometry that has a wrong form.
-pub(super) fn read(document: &mut Value, report: &mut Report) -> Result<json::Root, ImportError> {
-    normalize(document, "");
-    if document.get("animations").and_then(Value::as_array).is_some_and(|a| !a.is_empty()) {
-        report.once("animation-ignored", "/animations", "animations are not played: the rest pose is shown");
-    }
+pub(super) fn read(
+    document: &mut Value,
+    storage: json::Root,
+    report: &mut Report,
+) -> Result<json::Root, ImportError> {
     for scene in document.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
         if let Some(scene) = scene.as_object_mut() {
             scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
@@ -112,9 +125,6 @@ pub(super) fn read(document: &mut Value, report: &mut Report) -> Result<json::Ro
     Ok(json::Root {
         scene,
         extensions: lights(document, report),
-        accessors: strict(document, "accessors")?,
-        buffers: strict(document, "buffers")?,
-        buffer_views: strict(document, "bufferViews")?,
         meshes: strict(document, "meshes")?,
         nodes: strict(document, "nodes")?,
         scenes: strict(document, "scenes")?,
@@ -124,13 +134,17 @@ pub(super) fn read(document: &mut Value, report: &mut Report) -> Result<json::Ro
         samplers: lenient(document, "samplers", json::texture::Sampler::default, report)?,
         skins: lenient(document, "skins", no_skin, report)?,
         textures: lenient(document, "textures", no_texture, report)?,
-        ..json::Root::default()
+        ..storage
     })
 }
 
 /// Removes what the typed model would stumble over or misread: application data (`extras`), names that are no text, extensions that are no objects, integers written as
 /// `3.0`, and integers beyond 32 bits, which it would cut off (they become floats, which it refuses as indices).
-fn normalize(value: &mut Value, key: &str) {
+pub(super) fn normalize(document: &mut Value) {
+    normalize_member(document, "");
+}
+
+fn normalize_member(value: &mut Value, key: &str) {
     match value {
         Value::Object(members) => {
             members.remove("extras");
@@ -142,9 +156,9 @@ fn normalize(value: &mut Value, key: &str) {
                 Some(_) => drop(members.remove("extensions")),
                 None => {}
             }
-            members.iter_mut().for_each(|(key, member)| normalize(member, key));
+            members.iter_mut().for_each(|(key, member)| normalize_member(member, key));
         }
-        Value::Array(items) => items.iter_mut().for_each(|item| normalize(item, key)),
+        Value::Array(items) => items.iter_mut().for_each(|item| normalize_member(item, key)),
         Value::Number(number) => {
             let long = matches!(key, "byteOffset" | "byteLength" | "count");
             if let Some(integer) = number.as_u64() {

@@ -9,6 +9,7 @@ const SUPPORTED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -17,6 +18,7 @@ const SUPPORTED: &[&str] = &[
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
@@ -25,12 +27,8 @@ const SUPPORTED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Extensions that change nothing in a picture of the rest pose.
+/// Extensions that change nothing in a picture.
 const WITHOUT_EFFECT: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
-
-/// Extensions that may be required and still leave a right picture when they are ignored: animation is not shown
-/// anyway, and the default variant is the one that the materials give.
-const SAFE_TO_IGNORE: &[&str] = &["KHR_animation_pointer", "KHR_materials_variants"];
 
 /// Checks the lists of used and required extensions.
 ///
@@ -38,7 +36,7 @@ const SAFE_TO_IGNORE: &[&str] = &["KHR_animation_pointer", "KHR_materials_varian
 /// [`ErrorCode::Unsupported`] that names the first required extension that is not known.
 pub(super) fn check(json: &Value, report: &mut Report) -> Result<(), ImportError> {
     for (i, name) in names(json, "extensionsRequired").enumerate() {
-        let known = [SUPPORTED, WITHOUT_EFFECT, SAFE_TO_IGNORE].iter().any(|list| list.contains(&name));
+        let known = [SUPPORTED, WITHOUT_EFFECT].iter().any(|list| list.contains(&name));
         if !known {
             let place = Place::Json(format!("/extensionsRequired/{i}"));
             return Err(ImportError::new(ErrorCode::Unsupported, format!("requires the extension {name}")).at(place));

@@ -7,10 +7,12 @@
 //! a warning.
 
 mod accessor;
+mod animation;
 mod basisu;
 mod buffers;
 mod cameras;
 mod container;
+mod contents;
 mod document;
 mod draco;
 mod extensions;
@@ -27,9 +29,10 @@ mod report;
 mod textures;
 mod triangles;
 mod uri;
+mod variants;
 
 use crate::scene::{Instance, Scene, UpAxis};
-use crate::{Control, ErrorCode, ImportError, Place, Resources, Warning};
+use crate::{Contents, Control, ErrorCode, ImportError, Place, Resources, Show, Warning};
 use accessor::Accessors;
 use buffers::Buffers;
 use glam::DAffine3;
@@ -44,7 +47,8 @@ use std::collections::BTreeMap;
 
 /// Reads a `.gltf` or `.glb` file (told by its first bytes) and what it refers to.
 ///
-/// Animations are not played: skins and morph targets show their rest pose. The progress counts primitives and images.
+/// `show` names the moment of an animation and the variant; without them it is the rest pose in the materials that the
+/// primitives name. What the document says of itself goes to `contents`. The progress counts primitives and images.
 ///
 /// # Errors
 /// [`ImportError`] with a JSON pointer, or a byte offset or a line where it is no glTF yet:
@@ -55,11 +59,13 @@ use std::collections::BTreeMap;
 pub fn import(
     bytes: Vec<u8>,
     resources: &mut Resources,
+    show: &Show,
+    contents: &mut Contents,
     warnings: &mut Vec<Warning>,
     control: &Control,
 ) -> Result<Scene, ImportError> {
     let mut report = Report::new(warnings);
-    let result = read(bytes, resources, &mut report, control);
+    let result = read(bytes, resources, show, contents, &mut report, control);
     report.finish();
     result
 }
@@ -67,18 +73,32 @@ pub fn import(
 fn read(
     bytes: Vec<u8>,
     resources: &mut Resources,
+    show: &Show,
+    contents: &mut Contents,
     report: &mut Report,
     control: &Control,
 ) -> Result<Scene, ImportError> {
     let container::Container { mut json, bytes, bin } = container::split(bytes)?;
     document::check_version(&json)?;
     extensions::check(&json, report)?;
+    *contents = contents::of(&json);
+    document::normalize(&mut json);
+    if let Some(variant) = &show.variant {
+        variants::apply(&mut json, variant)?;
+    }
+    let storage = document::storage(&mut json)?;
+    let mut buffers = Buffers::load(&storage, bytes, bin, resources, control)?;
+    buffers.set_decoded(meshopt::decode_views(&storage, &buffers, resources.limits(), report, control)?);
+    if show.is_animated() {
+        animation::pose(&mut json, &Accessors { root: &storage, buffers: &buffers }, show, report)?;
+    } else if !contents.animations.is_empty() {
+        let message = "animations are not played: the rest pose is shown, for no moment is asked for (--time-code)";
+        report.once("animation-ignored", "/animations", message);
+    }
     let local = nodes::local_transforms(&json, report);
-    let mut root = document::read(&mut json, report)?;
+    let mut root = document::read(&mut json, storage, report)?;
     drop(json);
     let hierarchy = nodes::compose(&root, &local, resources.limits().max_nesting)?;
-    let mut buffers = Buffers::load(&root, bytes, bin, resources, control)?;
-    buffers.set_decoded(meshopt::decode_views(&root, &buffers, resources.limits(), report, control)?);
     draco::expand(&mut root, &mut buffers, &hierarchy.shown, resources.limits(), report, control)?;
     let accessors = Accessors { root: &root, buffers: &buffers };
     accessors.check_all()?;

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 
 use base64::Engine;
-use kiln_formats::{Control, ImportError, Limits, Resources, Scene, Warning};
+use kiln_formats::{Contents, Control, ImportError, Limits, Resources, Scene, Show, Warning};
 use serde_json::{Value, json};
 
 pub const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -96,6 +96,12 @@ impl Builder {
         import_bytes_with(self.doc.to_string().into_bytes(), limits)
     }
 
+    /// Imports one of the asset's looks.
+    pub fn import_showing(&mut self, show: &Show) -> Outcome {
+        self.finish();
+        import_bytes_showing(self.doc.to_string().into_bytes(), Limits::default(), show)
+    }
+
     /// The document as a GLB file.
     pub fn glb(&mut self) -> Vec<u8> {
         self.doc["buffers"] = json!([{"byteLength": self.data.len()}]);
@@ -125,10 +131,15 @@ pub fn import_json(document: &Value) -> Outcome {
 
 /// Imports from a folder that holds nothing of the asset, and checks what the scene guarantees.
 pub fn import_bytes_with(bytes: Vec<u8>, limits: Limits) -> Outcome {
+    import_bytes_showing(bytes, limits, &Show::default())
+}
+
+fn import_bytes_showing(bytes: Vec<u8>, limits: Limits, show: &Show) -> Outcome {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
     let mut resources = Resources::new(&folder.join("asset.gltf"), Some(folder), limits).unwrap();
     let mut warnings = Vec::new();
-    let scene = kiln_formats::gltf::import(bytes, &mut resources, &mut warnings, &Control::default())?;
+    let (contents, control) = (&mut Contents::default(), Control::default());
+    let scene = kiln_formats::gltf::import(bytes, &mut resources, show, contents, &mut warnings, &control)?;
     scene.validate().unwrap();
     Ok((scene, warnings))
 }
