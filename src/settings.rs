@@ -1,10 +1,12 @@
 //! What can be asked for: plain data that the command line, presets and the manifest share.
 
 mod environment;
+mod look;
 mod pictures;
 mod views;
 
 pub use environment::{EnvironmentFile, EnvironmentSettings};
+pub use look::LookSettings;
 pub use pictures::{Background, BitDepth, Exposure, PictureFormat, PictureSettings, ToneMap};
 pub use views::{CameraChoice, FixedView, UpChoice, ViewSettings};
 
@@ -123,6 +125,8 @@ impl Default for RenderSettings {
 /// Everything that decides what the pictures of an asset look like and what files they become.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
+    /// Which of the asset's looks.
+    pub look: LookSettings,
     /// Cameras and sizes.
     pub views: ViewSettings,
     /// Light beside the asset's own.

@@ -3,7 +3,7 @@
 //! [`import`] reads a `.gltf`, `.glb`, `.obj` or `.ray` file with everything that it refers to and gives one
 //! validated [`Scene`], warnings about what it could not honour, or an error that names the place.
 
-pub mod contents;
+mod contents;
 mod control;
 mod error;
 pub mod gltf;
@@ -16,7 +16,7 @@ pub mod resources;
 pub mod scene;
 mod show;
 
-pub use contents::Contents;
+pub use contents::{Clip, Contents, SourceMaterial};
 pub use control::{Control, Stopped};
 pub use error::{ErrorCode, ImportError, Place, Warning};
 pub use limits::Limits;

@@ -163,7 +163,8 @@ fn unsound_channels_cost_themselves_only() {
         animate(&mut b, node("translation"), "LINEAR", &[0.0, 1.0], output);
         b
     };
-    let spoil: [(&str, fn(&mut Builder)); 7] = [
+    type Spoil = (&'static str, fn(&mut Builder));
+    let spoil: [Spoil; 7] = [
         ("/animations/0/channels/0/sampler", |b| b.doc["animations"][0]["channels"][0]["sampler"] = json!(9)),
         ("/animations/0/channels/0/target", |b| b.doc["animations"][0]["channels"][0]["target"]["node"] = json!(9)),
         ("/animations/0/samplers/0/interpolation", |b| {

@@ -1,7 +1,7 @@
 use super::environment::{self, LoadedEnvironment};
 use super::sink::{FileSink, Sink};
 use super::stages::{StageClock, peak_bytes};
-use super::{Job, Outcome, OutputRecord, SceneFacts, Stage, Status, digest, exposure, job, views};
+use super::{Job, Outcome, OutputRecord, SceneFacts, Stage, Status, digest, exposure, job, looks, views};
 use crate::integrate::{Rendered, View, render};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
 use crate::settings::{Background, EnvironmentSettings, Exposure, PictureFormat};
@@ -32,6 +32,9 @@ pub fn run_asset(job: &Job, control: &Control) -> Outcome {
 
 /// As [`run_asset`], with the files going to a sink and the stages being told.
 pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
+    if job.settings.look.are_many() {
+        return looks::run(job, control, desk);
+    }
     let clock = StageClock::begin();
     let mut outcome = Outcome::skipped(&job.name, job.settings.render.seed);
     let work = AssertUnwindSafe(|| Work { job, control, desk, outcome: &mut outcome }.run());
@@ -149,7 +152,8 @@ impl Work<'_> {
         };
         let digest = digest::of_settings(settings, loaded.as_deref().map(LoadedEnvironment::digest));
         self.outcome.settings = Some(digest.map_err(|e| Failure::new("settings", e.to_string()))?);
-        let options = ImportOptions { root: self.job.root.clone(), ..ImportOptions::default() };
+        let (root, show) = (self.job.root.clone(), settings.look.show.clone());
+        let options = ImportOptions { root, show, ..ImportOptions::default() };
         let imported = import(&self.job.input, &options, self.control);
         // A failed import costs time too.
         (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();

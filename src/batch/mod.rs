@@ -9,6 +9,7 @@ mod environment;
 mod exposure;
 mod facts;
 mod job;
+mod looks;
 mod manifest;
 mod outcome;
 mod ready;

@@ -7,6 +7,7 @@ mod console;
 mod exit;
 mod inspect;
 mod interrupt;
+mod looks;
 mod options;
 mod progress;
 mod render;

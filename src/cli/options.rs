@@ -1,4 +1,5 @@
 use super::exit::Fatal;
+use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::settings::{
@@ -44,6 +45,9 @@ pub struct SettingOptions {
     /// Light: auto (studio for assets without light), none, studio, constant:R,G,B, or an equirectangular HDR or EXR file
     #[arg(long, value_name = "FILE|WORD", help_heading = "View and light")]
     env: Option<EnvironmentSettings>,
+
+    #[command(flatten)]
+    looks: LookOptions,
 
     /// Camera paths per pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = value_parser!(u32).range(1..=1 << 24), help_heading = "Sampling")]
@@ -117,6 +121,7 @@ impl SettingOptions {
         let environment = self.env.clone().or_else(|| file.as_ref().map(|f| f.environment.clone()));
         let background = self.background.or_else(|| file.as_ref().map(|f| f.background));
         Ok(Settings {
+            look: self.looks.settings(),
             views: ViewSettings {
                 width,
                 height,

@@ -7,6 +7,7 @@ mod compare;
 mod determinism;
 mod inspect;
 mod interrupt;
+mod looks;
 mod render;
 mod support;
 mod views;

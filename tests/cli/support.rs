@@ -26,7 +26,8 @@ pub fn gltf() -> String {
     )
 }
 
-fn base64(bytes: &[u8]) -> String {
+/// Base64 text.
+pub fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::new();
     for chunk in bytes.chunks(3) {

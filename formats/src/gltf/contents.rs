@@ -46,7 +46,9 @@ fn clip(document: &Value, animation: &Value) -> Clip {
     };
     Clip {
         name: text(animation.get("name")),
-        seconds: list(animation, "/samplers").filter_map(end).fold(None, |most, end| Some(end.max(most.unwrap_or(end)))),
+        seconds: list(animation, "/samplers")
+            .filter_map(end)
+            .fold(None, |most, end| Some(end.max(most.unwrap_or(end)))),
         channels: animation.get("channels").and_then(Value::as_array).map_or(0, |c| c.len() as u64),
     }
 }

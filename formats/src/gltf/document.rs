@@ -71,11 +71,7 @@ pub(super) fn storage(document: &mut Value) -> Result<json::Root, ImportError> {
 ///
 /// # Errors
 /// [`ErrorCode::Invalid`] with the JSON pointer of the first element of the geometry that has a wrong form.
-pub(super) fn read(
-    document: &mut Value,
-    storage: json::Root,
-    report: &mut Report,
-) -> Result<json::Root, ImportError> {
+pub(super) fn read(document: &mut Value, storage: json::Root, report: &mut Report) -> Result<json::Root, ImportError> {
     for scene in document.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
         if let Some(scene) = scene.as_object_mut() {
             scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));

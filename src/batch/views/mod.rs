@@ -5,7 +5,7 @@ mod framing;
 mod points;
 mod turntable;
 
-pub use points::bounds;
+pub use points::{bounds, for_each as for_each_point};
 
 use crate::integrate::View;
 use crate::settings::{CameraChoice, UpChoice, ViewSettings};
