@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce]
 //!
-//! Meshes are made here: scan, terrain, knot, stadium, hair, foliage. Rays come from the tree itself: a camera, one bounce
+//! A form may end in -stream: rays go to the tree in batches. Meshes are made here: scan, terrain, knot, stadium, hair, foliage. Rays come from the tree itself: a camera, one bounce
 //! (diffuse) from each hit, the same shuffled, a second bounce, and a shadow ray to a point of a light above. All contenders take turns, pass
 //! by pass, on one thread; the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
 //! mesh and the rays as files and is asked for passes over its standard input.
@@ -20,7 +20,7 @@ use cpu_time::{ProcessTime, ThreadTime};
 use kiln::Control;
 use kiln::math::Ray;
 use kiln::math::simd::SimdTier;
-use kiln::prepare::kdtree::{BuildOptions, KdTree};
+use kiln::prepare::kdtree::{BuildOptions, Coherence, HitBatch, KdTree, NO_TRIANGLE, RayBatch};
 use kiln::settings::KdTreeBuilder;
 
 /// What the command line asks for.
@@ -70,7 +70,50 @@ struct Pass {
     sum_t: f64,
 }
 
+/// Rays of a batch.
+const BATCH: usize = 1024;
+
+/// A pass in batches. Turning rays into columns is not part of the work: a wavefront has columns.
+fn stream(tree: &KdTree, rays: &[Ray], any: bool) -> Pass {
+    let mut pass = Pass { seconds: 0.0, hits: 0, sum_t: 0.0 };
+    let (mut t, mut b1, mut b2, mut triangle) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH], [0; BATCH]);
+    let mut blocked = [false; BATCH];
+    let column = |number: fn(&Ray) -> f32| rays.iter().map(number).collect::<Vec<f32>>();
+    let origin = [column(|r| r.origin.x), column(|r| r.origin.y), column(|r| r.origin.z)];
+    let dir = [column(|r| r.dir.x), column(|r| r.dir.y), column(|r| r.dir.z)];
+    let t_max = column(|r| r.t_max);
+    let begin = ThreadTime::now();
+    for first in (0..rays.len()).step_by(BATCH) {
+        let range = first..(first + BATCH).min(rays.len());
+        let n = range.len();
+        let batch = RayBatch {
+            origin: [0, 1, 2].map(|axis| &origin[axis][range.clone()]),
+            dir: [0, 1, 2].map(|axis| &dir[axis][range.clone()]),
+            t_max: &t_max[range],
+            leaves: &[],
+            reaches: &[],
+        };
+        if any {
+            tree.occluded_batch(&batch, Coherence::Scattered, &mut blocked[..n]);
+            pass.hits += blocked[..n].iter().filter(|&&b| b).count() as u64;
+        } else {
+            let mut hits =
+                HitBatch { t: &mut t[..n], b1: &mut b1[..n], b2: &mut b2[..n], triangle: &mut triangle[..n] };
+            tree.closest_batch(&batch, Coherence::Scattered, &mut hits);
+            for (t, _) in t[..n].iter().zip(&triangle[..n]).filter(|(_, id)| **id != NO_TRIANGLE) {
+                pass.hits += 1;
+                pass.sum_t += f64::from(*t);
+            }
+        }
+    }
+    pass.seconds = begin.elapsed().as_secs_f64();
+    pass
+}
+
 fn pass(tree: &KdTree, form: &str, rays: &[Ray], any: bool) -> Pass {
+    if form.ends_with("-stream") {
+        return stream(tree, rays, any);
+    }
     let (mut hits, mut sum_t) = (0, 0.0);
     let begin = ThreadTime::now();
     for ray in rays {
@@ -100,8 +143,11 @@ fn main() {
             let options = BuildOptions { builder: asked.builder, seed: 1, simd };
             KdTree::build(&mesh, &options, &Control::default()).expect("not stopped")
         };
-        let trees: Vec<(String, KdTree)> =
-            asked.forms.iter().map(|form| (form.clone(), build(form.parse().unwrap_or(SimdTier::Scalar)))).collect();
+        let trees: Vec<(String, KdTree)> = asked
+            .forms
+            .iter()
+            .map(|form| (form.clone(), build(form.trim_end_matches("-stream").parse().unwrap_or(SimdTier::Scalar))))
+            .collect();
         let statistics = trees[0].1.statistics();
         let begin = ProcessTime::now();
         let best_build = (0..3).map(|_| build(SimdTier::detect()).statistics().build_seconds).fold(f64::MAX, f64::min);

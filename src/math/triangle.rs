@@ -22,7 +22,9 @@ pub struct ShearedRay {
     pub shear_x: f32,
     /// How far y shifts per unit of z, of magnitude ≤ 1.
     pub shear_y: f32,
-    /// Reciprocal of the direction's z.
+    /// The direction's z.
+    pub dir_z: f32,
+    /// Its reciprocal.
     pub inv_dir_z: f64,
 }
 
@@ -45,6 +47,7 @@ impl ShearedRay {
             axes,
             shear_x: d[axes[0]] / d[z],
             shear_y: d[axes[1]] / d[z],
+            dir_z: d[z],
             inv_dir_z: 1.0 / f64::from(d[z]),
         }
     }

@@ -73,18 +73,18 @@ impl RayBatch<'_> {
         Ray { origin: at(&self.origin), dir: at(&self.dir), t_max: self.t_max[i] }
     }
 
-    /// Whether a ray may not meet a triangle: it leaves it or reaches it.
+    /// The triangles that a ray may not meet: what it leaves and what it reaches.
     #[inline(always)]
-    pub fn ignores(&self, i: usize, triangle: u32) -> bool {
-        self.leaves.get(i).is_some_and(|&t| t == triangle) || self.reaches.get(i).is_some_and(|&t| t == triangle)
+    pub(super) fn barred(&self, i: usize) -> [u32; 2] {
+        [self.leaves, self.reaches].map(|row| row.get(i).copied().unwrap_or(NO_TRIANGLE))
     }
 }
 
 impl HitBatch<'_> {
     /// Keeps what a ray found.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, ray: &Ray, hit: Option<Hit>) {
-        let hit = hit.unwrap_or(Hit { t: ray.t_max, triangle: NO_TRIANGLE, b1: 0.0, b2: 0.0 });
+    fn set(&mut self, i: usize, t_max: f32, hit: Option<Hit>) {
+        let hit = hit.unwrap_or(Hit { t: t_max, triangle: NO_TRIANGLE, b1: 0.0, b2: 0.0 });
         (self.t[i], self.b1[i], self.b2[i], self.triangle[i]) = (hit.t, hit.b1, hit.b2, hit.triangle);
     }
 }
@@ -105,13 +105,10 @@ impl KdTree {
         rays: &RayBatch,
         _coherence: Coherence,
         hits: &mut HitBatch,
-        mut stops: impl FnMut(usize, &Hit) -> bool,
+        stops: impl FnMut(usize, &Hit) -> bool,
     ) {
-        for i in 0..rays.len() {
-            let ray = rays.ray(i);
-            let hit = self.closest(&ray, |hit| !rays.ignores(i, hit.triangle) && stops(i, hit));
-            hits.set(i, &ray, hit);
-        }
+        assert_eq!([hits.t.len(), hits.b1.len(), hits.b2.len(), hits.triangle.len()], [rays.len(); 4]);
+        self.kernel.trace::<false>(self.wide(), rays, stops, |i, hit| hits.set(i, rays.t_max[i], hit));
     }
 
     /// [`KdTree::occluded`] for each ray of a batch.
@@ -125,11 +122,9 @@ impl KdTree {
         rays: &RayBatch,
         _coherence: Coherence,
         blocked: &mut [bool],
-        mut stops: impl FnMut(usize, &Hit) -> bool,
+        stops: impl FnMut(usize, &Hit) -> bool,
     ) {
         assert_eq!(rays.len(), blocked.len());
-        for (i, blocked) in blocked.iter_mut().enumerate() {
-            *blocked = self.occluded(&rays.ray(i), |hit| !rays.ignores(i, hit.triangle) && stops(i, hit));
-        }
+        self.kernel.trace::<true>(self.wide(), rays, stops, |i, hit| blocked[i] = hit.is_some());
     }
 }

@@ -153,10 +153,10 @@ impl LeafStore {
         })
     }
 
-    /// The first word of a leaf.
+    /// The address of a grain, whether it exists or not.
     #[inline(always)]
-    pub fn begin(&self, first: u32) -> Option<&u32> {
-        self.words.as_slice().get(first as usize * GRAIN)
+    pub fn address(&self, grain: u32) -> usize {
+        self.words.as_slice().as_ptr().addr().wrapping_add(grain as usize * GRAIN * size_of::<u32>())
     }
 
     /// A leaf of more than 16 references by its place.

@@ -1,12 +1,14 @@
 //! The kernel in AVX2: two times eight lanes.
 #![allow(unsafe_code)]
 
-use super::super::block::Block;
-use super::super::slab::SlabRay;
+use super::super::batch::RayBatch;
+use super::super::block::{Block, words_of};
+use super::super::slab::{GROWTH, SlabRay};
 use super::WideTree;
-use super::kernel::{Enters, Kernel};
+use super::kernel::Kernel;
 use super::node::{WIDTH, WideNode};
-use super::traverse;
+use super::stack::Stack;
+use super::{stream, traverse};
 use crate::math::simd::SimdTier;
 use crate::math::triangle::ShearedRay;
 use crate::math::{Hit, Ray};
@@ -19,10 +21,9 @@ pub struct Avx2(());
 /// A ray in registers.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2Ray {
-    enter_add: [__m256; 3],
-    enter_inv: [__m256; 3],
-    leave_add: [__m256; 3],
-    leave_inv: [__m256; 3],
+    enter_from: [__m256; 3],
+    leave_from: [__m256; 3],
+    inv: [__m256; 3],
     /// Where in a node the rows of planes begin at which boxes are entered and left; below `6 · WIDTH`.
     first: [usize; 3],
     last: [usize; 3],
@@ -45,6 +46,30 @@ impl Avx2 {
         // SAFETY: `self` exists only on machines with these features.
         unsafe { nearest_with_features::<ANY>(self, tree, ray, accept) }
     }
+
+    /// See [`stream::trace`].
+    #[inline(always)]
+    pub fn trace<const ANY: bool>(
+        self,
+        tree: WideTree,
+        rays: &RayBatch,
+        stops: impl FnMut(usize, &Hit) -> bool,
+        found: impl FnMut(usize, Option<Hit>),
+    ) {
+        // SAFETY: `self` exists only on machines with these features.
+        unsafe { trace_with_features::<ANY>(self, tree, rays, stops, found) }
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn trace_with_features<const ANY: bool>(
+    kernel: Avx2,
+    tree: WideTree,
+    rays: &RayBatch,
+    stops: impl FnMut(usize, &Hit) -> bool,
+    found: impl FnMut(usize, Option<Hit>),
+) {
+    stream::trace::<ANY, _>(kernel, tree, rays, stops, found);
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
@@ -68,15 +93,15 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn enter(self, ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
+    fn open(self, ray: &Avx2Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { enter(ray, node, limit, enters) }
+        unsafe { open(ray, node, limit, stack) }
     }
 
     #[inline(always)]
-    fn candidates(self, ray: &ShearedRay, block: &Block) -> u32 {
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { candidates(ray, block) }
+        unsafe { candidates(ray, block, barred) }
     }
 }
 
@@ -90,39 +115,40 @@ fn prepare(slab: &SlabRay) -> Avx2Ray {
     let forwards = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
     let backwards = _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0);
     Avx2Ray {
-        enter_add: spread(slab.enter_add),
-        enter_inv: spread(slab.enter_inv),
-        leave_add: spread(slab.leave_add),
-        leave_inv: spread(slab.leave_inv),
+        enter_from: spread(slab.enter_from),
+        leave_from: spread(slab.leave_from),
+        inv: spread(slab.inv),
         first: [0, 1, 2].map(|axis| WIDTH * row(axis, true)),
         last: [0, 1, 2].map(|axis| WIDTH * row(axis, false)),
         order: if reversed { 7 - octant } else { octant },
-        halves: if reversed { [32, 0] } else { [0, 32] },
-        shifts: if reversed { backwards } else { forwards },
+        halves: if reversed { [0, 32] } else { [32, 0] },
+        shifts: if reversed { forwards } else { backwards },
     }
 }
 
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn enter(ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
+fn open(ray: &Avx2Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
     let planes = node.planes.as_ptr().cast::<f32>();
+    let inv_longer = ray.inv.map(|inv| _mm256_mul_ps(inv, _mm256_set1_ps(GROWTH)));
     let (mut entered, mut left) = ([_mm256_setzero_ps(); 2], [_mm256_set1_ps(limit); 2]);
     for half in 0..2 {
-        for axis in 0..3 {
+        for (axis, &inv_longer) in inv_longer.iter().enumerate() {
             // SAFETY: `prepare` makes offsets of whole rows of 16 within the planes; halves of rows are aligned to 32 bytes.
             let (first, last) = unsafe {
                 let row = |at: usize| _mm256_load_ps(planes.add(at + 8 * half));
                 (row(ray.first[axis]), row(ray.last[axis]))
             };
-            let enter = _mm256_fmadd_ps(first, ray.enter_inv[axis], ray.enter_add[axis]);
-            let leave = _mm256_fmadd_ps(last, ray.leave_inv[axis], ray.leave_add[axis]);
+            let enter = _mm256_mul_ps(_mm256_sub_ps(first, ray.enter_from[axis]), ray.inv[axis]);
+            let leave = _mm256_mul_ps(_mm256_sub_ps(last, ray.leave_from[axis]), inv_longer);
             entered[half] = _mm256_max_ps(entered[half], enter);
             left[half] = _mm256_min_ps(left[half], leave);
         }
     }
     let order = node.orders[ray.order & 3];
-    let mut result = 0;
-    for (k, shift) in ray.halves.into_iter().enumerate() {
+    // SAFETY: two halves of a row, aligned to 32 bytes.
+    let children = [0, 1].map(|half| unsafe { _mm256_load_ps(node.children.as_ptr().cast::<f32>().add(8 * half)) });
+    for shift in ray.halves {
         let slots = _mm256_srlv_epi32(_mm256_set1_epi32((order >> (shift & 63)) as i32), ray.shifts);
         // Bit 3 of a slot selects the half; blending looks at the sign bit.
         let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(slots));
@@ -131,21 +157,30 @@ fn enter(ray: &Avx2Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32
             _mm256_blendv_ps(a, b, upper)
         };
         let (entered, left) = (pick(entered), pick(left));
-        // SAFETY: eight of sixteen numbers, aligned to 32 bytes.
-        unsafe { _mm256_store_ps(enters.0.as_mut_ptr().add(8 * k), entered) };
-        let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(entered, left));
-        result |= (mask as u32) << (8 * k);
+        let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(entered, left)) as u32;
+        // The lanes that are met move to the front: their numbers are picked out of all numbers.
+        let lanes = _pext_u64(0x0706_0504_0302_0100, _pdep_u64(mask.into(), 0x0101_0101_0101_0101) * 0xff);
+        let lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(lanes as i64));
+        let children = pick(children);
+        let (enters, words, leaf_bases) = stack.room();
+        // SAFETY: the stack has room for sixteen of each kind, of which the first eight are written before it grows by at
+        // most as many.
+        unsafe {
+            _mm256_storeu_ps(enters, _mm256_permutevar8x32_ps(entered, lanes));
+            _mm256_storeu_ps(words.cast(), _mm256_permutevar8x32_ps(children, lanes));
+            _mm256_storeu_si256(leaf_bases.cast(), _mm256_set1_epi32(node.leaf_base as i32));
+            stack.grow(mask.count_ones() as usize);
+        }
     }
-    result
 }
 
 /// Edge functions in f32: rounding is monotone, so a sign other than zero is right, and a triangle with edges of both
 /// signs is not met.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn candidates(ray: &ShearedRay, block: &Block) -> u32 {
+fn candidates(ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
     let (len, pool) = (block.len, block.pool);
-    assert!(block.words.len() >= if pool == 0 { 9 * len + 16 } else { 3 * pool + 16 });
+    assert!(block.words.len() >= words_of(len, pool) + 16);
     let base = block.words.as_ptr().cast::<f32>();
     let [x, y, z] = ray.axes;
     let origin = |axis: usize| _mm256_set1_ps(ray.origin[axis]);
@@ -194,7 +229,12 @@ fn candidates(ray: &ShearedRay, block: &Block) -> u32 {
             negative = _mm256_or_ps(negative, _mm256_cmp_ps::<_CMP_LT_OQ>(side, zero));
             positive = _mm256_or_ps(positive, _mm256_cmp_ps::<_CMP_GT_OQ>(side, zero));
         }
-        missed |= (_mm256_movemask_ps(_mm256_and_ps(negative, positive)) as u32) << begin;
+        // SAFETY: eight of the triangles' numbers, or what follows them, which the assertion allows.
+        let ids = unsafe { _mm256_loadu_si256(base.add(words_of(len, pool) - len + begin).cast()) };
+        let out = barred.map(|id| _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(id as i32)));
+        let out = _mm256_castsi256_ps(_mm256_or_si256(out[0], out[1]));
+        let not = _mm256_or_ps(_mm256_and_ps(negative, positive), out);
+        missed |= (_mm256_movemask_ps(not) as u32) << begin;
     }
     !missed & ((1 << len) - 1)
 }

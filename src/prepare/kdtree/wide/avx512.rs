@@ -1,12 +1,14 @@
 //! The kernel in AVX-512: sixteen lanes.
 #![allow(unsafe_code)]
 
-use super::super::block::Block;
-use super::super::slab::SlabRay;
+use super::super::batch::RayBatch;
+use super::super::block::{Block, words_of};
+use super::super::slab::{GROWTH, SlabRay};
 use super::WideTree;
-use super::kernel::{Enters, Kernel};
+use super::kernel::Kernel;
 use super::node::{WIDTH, WideNode};
-use super::traverse;
+use super::stack::Stack;
+use super::{stream, traverse};
 use crate::math::simd::SimdTier;
 use crate::math::triangle::ShearedRay;
 use crate::math::{Hit, Ray};
@@ -19,15 +21,14 @@ pub struct Avx512(());
 /// A ray in registers.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512Ray {
-    enter_add: [__m512; 3],
-    enter_inv: [__m512; 3],
-    leave_add: [__m512; 3],
-    leave_inv: [__m512; 3],
+    enter_from: [__m512; 3],
+    leave_from: [__m512; 3],
+    inv: [__m512; 3],
     /// Where in a node the rows of planes begin at which boxes are entered and left; below `6 · WIDTH`.
     first: [usize; 3],
     last: [usize; 3],
-    /// The node's order for this octant: where among the words of all orders, which of its halves comes first (both below
-    /// 8 in sum), and the shifts to its nibbles.
+    /// The node's order against this octant, the farthest first: where among the words of all orders, which of its halves comes
+    /// first (both below 8 in sum), and the shifts to its nibbles.
     order: usize,
     halves: [usize; 2],
     shifts: __m512i,
@@ -46,6 +47,30 @@ impl Avx512 {
         // SAFETY: `self` exists only on machines with these features.
         unsafe { nearest_with_features::<ANY>(self, tree, ray, accept) }
     }
+
+    /// See [`stream::trace`].
+    #[inline(always)]
+    pub fn trace<const ANY: bool>(
+        self,
+        tree: WideTree,
+        rays: &RayBatch,
+        stops: impl FnMut(usize, &Hit) -> bool,
+        found: impl FnMut(usize, Option<Hit>),
+    ) {
+        // SAFETY: `self` exists only on machines with these features.
+        unsafe { trace_with_features::<ANY>(self, tree, rays, stops, found) }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn trace_with_features<const ANY: bool>(
+    kernel: Avx512,
+    tree: WideTree,
+    rays: &RayBatch,
+    stops: impl FnMut(usize, &Hit) -> bool,
+    found: impl FnMut(usize, Option<Hit>),
+) {
+    stream::trace::<ANY, _>(kernel, tree, rays, stops, found);
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
@@ -58,7 +83,8 @@ fn nearest_with_features<const ANY: bool>(
     traverse::nearest::<ANY, _>(kernel, tree, ray, accept)
 }
 
-// Everything in vectors is in functions with the features, closures included; else nothing would be inlined.
+// What is inlined for certain has no features of its own: it gets those of `nearest_with_features`. Closures in it are not
+// inlined for certain; there are none.
 impl Kernel for Avx512 {
     type Ray = Avx512Ray;
 
@@ -69,109 +95,170 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn enter(self, ray: &Avx512Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
+    fn open(self, ray: &Avx512Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { enter(ray, node, limit, enters) }
+        unsafe { open(ray, node, limit, stack) }
     }
 
     #[inline(always)]
-    fn candidates(self, ray: &ShearedRay, block: &Block) -> u32 {
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { candidates(ray, block) }
+        unsafe { candidates(ray, block, barred) }
     }
 }
 
-#[inline]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn prepare(slab: &SlabRay) -> Avx512Ray {
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn prepare(slab: &SlabRay) -> Avx512Ray {
     let octant = slab.octant;
     let reversed = octant >= 4;
-    let row = |axis: usize, first: bool| if slab.is_negative(axis) == first { axis + 3 } else { axis };
-    {
-        let spread = |x: [f32; 3]| x.map(|x| _mm512_set1_ps(x));
+    let negative = [octant & 1, octant >> 1 & 1, octant >> 2];
+    // SAFETY: as promised.
+    unsafe {
         let forwards = _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28);
         let backwards = _mm512_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0, 28, 24, 20, 16, 12, 8, 4, 0);
+        let ([a, b, c], [d, e, f], [g, h, i]) = (slab.enter_from, slab.leave_from, slab.inv);
         Avx512Ray {
-            enter_add: spread(slab.enter_add),
-            enter_inv: spread(slab.enter_inv),
-            leave_add: spread(slab.leave_add),
-            leave_inv: spread(slab.leave_inv),
-            first: [0, 1, 2].map(|axis| WIDTH * row(axis, true)),
-            last: [0, 1, 2].map(|axis| WIDTH * row(axis, false)),
+            enter_from: [_mm512_set1_ps(a), _mm512_set1_ps(b), _mm512_set1_ps(c)],
+            leave_from: [_mm512_set1_ps(d), _mm512_set1_ps(e), _mm512_set1_ps(f)],
+            inv: [_mm512_set1_ps(g), _mm512_set1_ps(h), _mm512_set1_ps(i)],
+            first: [WIDTH * 3 * negative[0], WIDTH * (1 + 3 * negative[1]), WIDTH * (2 + 3 * negative[2])],
+            last: [WIDTH * (3 - 3 * negative[0]), WIDTH * (4 - 3 * negative[1]), WIDTH * (5 - 3 * negative[2])],
             order: 2 * if reversed { 7 - octant } else { octant },
-            halves: if reversed { [1, 0] } else { [0, 1] },
-            shifts: if reversed { backwards } else { forwards },
+            halves: if reversed { [0, 1] } else { [1, 0] },
+            shifts: if reversed { forwards } else { backwards },
         }
     }
 }
 
-#[inline]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn enter(ray: &Avx512Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
-    // SAFETY: `prepare` makes offsets of whole rows of 16 within the planes and of words within the orders; rows and
-    // `enters` are aligned to 64 bytes.
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn open(ray: &Avx512Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
+    let (enters, words, leaf_bases) = stack.room();
+    let planes = node.planes.as_ptr().cast::<f32>();
+    let ([fx, fy, fz], [lx, ly, lz]) = (ray.first, ray.last);
+    // SAFETY: `prepare` makes offsets of whole rows of 16 within the planes and of words within the orders; rows are
+    // aligned to 64 bytes. The stack has room for sixteen of each kind, all of which are written before it grows.
     unsafe {
-        let planes = node.planes.as_ptr().cast::<f32>();
-        let row = |at: usize| _mm512_load_ps(planes.add(at));
-        let enter = |a: usize| _mm512_fmadd_ps(row(ray.first[a]), ray.enter_inv[a], ray.enter_add[a]);
-        let leave = |a: usize| _mm512_fmadd_ps(row(ray.last[a]), ray.leave_inv[a], ray.leave_add[a]);
-        let entered = _mm512_max_ps(_mm512_max_ps(enter(0), enter(1)), _mm512_max_ps(enter(2), _mm512_setzero_ps()));
-        let left = _mm512_min_ps(_mm512_min_ps(leave(0), leave(1)), _mm512_min_ps(leave(2), _mm512_set1_ps(limit)));
+        let enter_x = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(fx)), ray.enter_from[0]), ray.inv[0]);
+        let enter_y = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(fy)), ray.enter_from[1]), ray.inv[1]);
+        let enter_z = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(fz)), ray.enter_from[2]), ray.inv[2]);
+        let leave_x = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(lx)), ray.leave_from[0]), ray.inv[0]);
+        let leave_y = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(ly)), ray.leave_from[1]), ray.inv[1]);
+        let leave_z = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(lz)), ray.leave_from[2]), ray.inv[2]);
+        let entered = _mm512_max_ps(_mm512_max_ps(enter_x, enter_y), _mm512_max_ps(enter_z, _mm512_setzero_ps()));
+        let left = _mm512_min_ps(_mm512_min_ps(leave_x, leave_y), leave_z);
+        let left = _mm512_min_ps(_mm512_mul_ps(left, _mm512_set1_ps(GROWTH)), _mm512_set1_ps(limit));
         let order = node.orders.as_ptr().cast::<i32>().add(ray.order);
         let low = _mm512_set1_epi32(*order.add(ray.halves[0]));
         let both = _mm512_mask_set1_epi32(low, 0xff00, *order.add(ray.halves[1]));
         let slots = _mm512_srlv_epi32(both, ray.shifts);
         let entered = _mm512_permutexvar_ps(slots, entered);
         let left = _mm512_permutexvar_ps(slots, left);
-        _mm512_store_ps(enters.0.as_mut_ptr(), entered);
-        u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(entered, left))
+        let children = _mm512_permutexvar_epi32(slots, _mm512_load_si512(node.children.as_ptr().cast()));
+        let met = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(entered, left);
+        _mm512_storeu_ps(enters, _mm512_maskz_compress_ps(met, entered));
+        _mm512_storeu_si512(words.cast(), _mm512_maskz_compress_epi32(met, children));
+        _mm512_storeu_si512(leaf_bases.cast(), _mm512_set1_epi32(node.leaf_base as i32));
+        stack.grow(met.count_ones() as usize);
+    }
+}
+
+/// Corners at `base`, whose x, y, z begin at `at`: sheared x and y, and the distance along z.
+///
+/// # Safety
+/// For machines with the features; sixteen words follow each place.
+#[inline(always)]
+unsafe fn shear(base: *const f32, at: [usize; 3], origin: [__m512; 3], shear: [__m512; 2]) -> [__m512; 3] {
+    // SAFETY: as promised.
+    unsafe {
+        let along = _mm512_sub_ps(_mm512_loadu_ps(base.add(at[2])), origin[2]);
+        let across_x = _mm512_sub_ps(_mm512_loadu_ps(base.add(at[0])), origin[0]);
+        let across_y = _mm512_sub_ps(_mm512_loadu_ps(base.add(at[1])), origin[1]);
+        [
+            _mm512_sub_ps(across_x, _mm512_mul_ps(shear[0], along)),
+            _mm512_sub_ps(across_y, _mm512_mul_ps(shear[1], along)),
+            along,
+        ]
+    }
+}
+
+/// An edge function, and the sum of its two products' magnitudes.
+///
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn edge(p: [__m512; 3], q: [__m512; 3]) -> [__m512; 2] {
+    // SAFETY: as promised.
+    unsafe {
+        let (one, other) = (_mm512_mul_ps(p[0], q[1]), _mm512_mul_ps(p[1], q[0]));
+        [_mm512_sub_ps(one, other), _mm512_add_ps(_mm512_abs_ps(one), _mm512_abs_ps(other))]
     }
 }
 
 /// Edge functions in f32: rounding is monotone, so a sign other than zero is right, and a triangle with edges of both
 /// signs is not met.
-#[inline]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn candidates(ray: &ShearedRay, block: &Block) -> u32 {
+///
+/// With u = 2⁻²⁴, an edge function of products p and q is off by 2u·(|p| + |q|) at most, and the numerator of the distance,
+/// which is their sum weighted by the corners' z, by 5u times the like sum of magnitudes. With 8u instead, and a little for what
+/// underflow takes away, a triangle is left out that certainly lies behind the ray's origin. (Where the denominator's sign is
+/// wrong, exact edges have both signs.)
+///
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
+    const ERROR: f32 = 8.0 / 16_777_216.0;
+    const UNDERFLOW: f32 = 1e-30;
     let (len, pool) = (block.len, block.pool);
-    assert!(block.words.len() >= if pool == 0 { 9 * len + 16 } else { 3 * pool + 16 });
+    assert!(block.words.len() >= words_of(len, pool) + WIDTH);
     let base = block.words.as_ptr().cast::<f32>();
     let [x, y, z] = ray.axes;
-    let origin = |axis: usize| _mm512_set1_ps(ray.origin[axis]);
-    let (origin_x, origin_y, origin_z) = (origin(x), origin(y), origin(z));
-    let (shear_x, shear_y) = (_mm512_set1_ps(ray.shear_x), _mm512_set1_ps(ray.shear_y));
-    let mut sheared = [(_mm512_setzero_ps(), _mm512_setzero_ps()); 3];
-    // SAFETY: plain loads begin at 8·len at most, pooled ones at 2·pool and indices at 3·pool + 8; each reads 16 words, or
-    // 4 for indices, which the assertion allows.
+    // SAFETY: plain loads begin at 8·len at most, pooled ones at 2·pool and indices at 3·pool + 8; numbers
+    // `len` before the end; each reads 16 words, or 4 for indices, which the assertion allows.
     unsafe {
-        let shear = |at_x: usize, at_y: usize, at_z: usize| {
-            let along = _mm512_sub_ps(_mm512_loadu_ps(base.add(at_z)), origin_z);
-            let across_x = _mm512_sub_ps(_mm512_loadu_ps(base.add(at_x)), origin_x);
-            let across_y = _mm512_sub_ps(_mm512_loadu_ps(base.add(at_y)), origin_y);
-            (
-                _mm512_sub_ps(across_x, _mm512_mul_ps(shear_x, along)),
-                _mm512_sub_ps(across_y, _mm512_mul_ps(shear_y, along)),
-            )
-        };
+        let origin = [_mm512_set1_ps(ray.origin[x]), _mm512_set1_ps(ray.origin[y]), _mm512_set1_ps(ray.origin[z])];
+        let shears = [_mm512_set1_ps(ray.shear_x), _mm512_set1_ps(ray.shear_y)];
+        let (a, b, c);
         if pool == 0 {
-            for (k, corner) in sheared.iter_mut().enumerate() {
-                *corner = shear((3 * k + x) * len, (3 * k + y) * len, (3 * k + z) * len);
-            }
+            a = shear(base, [x * len, y * len, z * len], origin, shears);
+            b = shear(base.add(3 * len), [x * len, y * len, z * len], origin, shears);
+            c = shear(base.add(6 * len), [x * len, y * len, z * len], origin, shears);
         } else {
-            let (points_x, points_y) = shear(x * pool, y * pool, z * pool);
-            for (k, corner) in sheared.iter_mut().enumerate() {
-                let indices = _mm512_cvtepu8_epi32(_mm_loadu_si128(base.add(3 * pool + 4 * k).cast()));
-                *corner = (_mm512_permutexvar_ps(indices, points_x), _mm512_permutexvar_ps(indices, points_y));
-            }
+            let [px, py, pz] = shear(base, [x * pool, y * pool, z * pool], origin, shears);
+            let indices = base.add(3 * pool);
+            let i = _mm512_cvtepu8_epi32(_mm_loadu_si128(indices.cast()));
+            let j = _mm512_cvtepu8_epi32(_mm_loadu_si128(indices.add(4).cast()));
+            let k = _mm512_cvtepu8_epi32(_mm_loadu_si128(indices.add(8).cast()));
+            a = [_mm512_permutexvar_ps(i, px), _mm512_permutexvar_ps(i, py), _mm512_permutexvar_ps(i, pz)];
+            b = [_mm512_permutexvar_ps(j, px), _mm512_permutexvar_ps(j, py), _mm512_permutexvar_ps(j, pz)];
+            c = [_mm512_permutexvar_ps(k, px), _mm512_permutexvar_ps(k, py), _mm512_permutexvar_ps(k, pz)];
         }
+        let ([u, u_size], [v, v_size], [w, w_size]) = (edge(c, b), edge(a, c), edge(b, a));
+        let zero = _mm512_setzero_ps();
+        let negative = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_min_ps(_mm512_min_ps(u, v), w), zero);
+        let positive = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(_mm512_max_ps(_mm512_max_ps(u, v), w), zero);
+
+        let (az, bz, cz) = (a[2], b[2], c[2]);
+        let along = _mm512_fmadd_ps(u, az, _mm512_fmadd_ps(v, bz, _mm512_mul_ps(w, cz)));
+        let size = _mm512_mul_ps(w_size, _mm512_abs_ps(cz));
+        let size = _mm512_fmadd_ps(v_size, _mm512_abs_ps(bz), size);
+        let size = _mm512_fmadd_ps(u_size, _mm512_abs_ps(az), size);
+        let det = _mm512_add_ps(_mm512_add_ps(u, v), w);
+        // The distance's sign: that of z along the ray, of the numerator and of the denominator.
+        let sign = _mm512_set1_epi32(i32::MIN);
+        let turn = _mm512_xor_si512(_mm512_castps_si512(det), _mm512_castps_si512(_mm512_set1_ps(ray.dir_z)));
+        let turn = _mm512_and_si512(turn, sign);
+        let forward = _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(along), turn));
+        let error = _mm512_set1_ps(ERROR);
+        let underflow = _mm512_set1_ps(UNDERFLOW);
+        let most = _mm512_fmadd_ps(size, error, _mm512_add_ps(forward, underflow));
+        let behind = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(most, zero);
+        let ids = _mm512_loadu_si512(base.add(words_of(len, pool) - len).cast());
+        let out = _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred[0] as i32))
+            | _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred[1] as i32));
+        u32::from(!(negative & positive | behind | out)) & ((1 << len) - 1)
     }
-    let [(ax, ay), (bx, by), (cx, cy)] = sheared;
-    let edge = |px, py, qx, qy| _mm512_sub_ps(_mm512_mul_ps(px, qy), _mm512_mul_ps(py, qx));
-    let zero = _mm512_setzero_ps();
-    let (mut negative, mut positive) = (0, 0);
-    for side in [edge(cx, cy, bx, by), edge(ax, ay, cx, cy), edge(bx, by, ax, ay)] {
-        negative |= _mm512_cmp_ps_mask::<_CMP_LT_OQ>(side, zero);
-        positive |= _mm512_cmp_ps_mask::<_CMP_GT_OQ>(side, zero);
-    }
-    u32::from(!(negative & positive)) & ((1 << len) - 1)
 }

@@ -112,7 +112,7 @@ pub fn collapse(built: &Built, pools: &[u32]) -> Collapsed {
                 BuiltKind::Split { .. } => {
                     nodes.push(WideNode::empty());
                     tasks.push((nodes.len() - 1, cell));
-                    node.children[slot] = Child::Node(nodes.len() as u32 - 1).encode();
+                    node.children[slot] = Child::Node(nodes.len() as u32 - 1).encode(node.leaf_base);
                 }
                 BuiltKind::Leaf { count } if count as usize <= WIDTH => small.push((slot, cell, count)),
                 BuiltKind::Leaf { count } => large.push((slot, cell, count)),
@@ -123,13 +123,7 @@ pub fn collapse(built: &Built, pools: &[u32]) -> Collapsed {
             let number = leaf_numbers[cell];
             let leaf = planner.place(number, count, pools[number as usize]);
             leaves[number as usize] = leaf;
-            let offset = leaf.first - node.leaf_base;
-            let child = if count as usize <= WIDTH {
-                Child::Leaf(Leaf { first: offset, ..leaf })
-            } else {
-                Child::Large(offset)
-            };
-            node.children[slot] = child.encode();
+            node.children[slot] = Child::Leaf(leaf).encode(node.leaf_base);
         }
         tasks[first_task..].reverse();
         for octant in 0..4 {

@@ -15,15 +15,18 @@ pub mod node;
 mod prefetch;
 mod scalar;
 mod stack;
+mod stream;
 mod traverse;
 #[cfg(test)]
 mod twin_tests;
 pub mod validate;
 
-use super::leaves::{Leaf, LeafStore};
+use super::batch::RayBatch;
+use super::leaves::LeafStore;
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
-use node::{Child, WideNode};
+use node::{Child, MAX_OFFSET, WideNode};
+use stack::Waiting;
 
 /// What is to be traversed.
 #[derive(Clone, Copy, Debug)]
@@ -37,21 +40,19 @@ pub struct WideTree<'a> {
 }
 
 impl WideTree<'_> {
-    /// Has a child of a node fetched that will probably be visited.
+    /// What a waiting entry stands for.
     #[inline(always)]
-    fn prefetch(&self, parent: &WideNode, child: u32) {
-        match Child::decode(child) {
-            Child::Node(at) => {
-                if let Some(node) = self.nodes.get(at as usize) {
-                    prefetch::lines::<7, _>(node);
-                }
-            }
-            Child::Leaf(Leaf { first: offset, .. }) | Child::Large(offset) => {
-                if let Some(words) = self.leaves.begin(parent.leaf_base + offset) {
-                    prefetch::lines::<4, _>(words);
-                }
-            }
-        }
+    fn child(&self, waiting: &Waiting) -> Child {
+        Child::decode(waiting.word, waiting.leaf_base, |first| self.leaves.large(first))
+    }
+
+    /// Has something fetched that will probably be visited: a node, or a leaf but for its last lines. Without a branch, since
+    /// nobody could foretell it.
+    #[inline(always)]
+    fn prefetch(&self, waiting: Waiting) {
+        let node = self.nodes.as_ptr().addr().wrapping_add(waiting.word as usize * size_of::<WideNode>());
+        let leaf = self.leaves.address(waiting.leaf_base.wrapping_add(waiting.word & MAX_OFFSET));
+        prefetch::lines::<6>(if node::is_leaf(waiting.word) { leaf } else { node });
     }
 }
 
@@ -97,6 +98,22 @@ impl AnyKernel {
             Self::Avx2(kernel) => kernel.nearest::<ANY>(tree, ray, accept),
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(kernel) => kernel.nearest::<ANY>(tree, ray, accept),
+        }
+    }
+    /// [`AnyKernel::nearest`] for each ray of a batch: see [`stream::trace`].
+    pub fn trace<const ANY: bool>(
+        self,
+        tree: WideTree,
+        rays: &RayBatch,
+        stops: impl FnMut(usize, &Hit) -> bool,
+        found: impl FnMut(usize, Option<Hit>),
+    ) {
+        match self {
+            Self::Scalar(kernel) => stream::trace::<ANY, _>(kernel, tree, rays, stops, found),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(kernel) => kernel.trace::<ANY>(tree, rays, stops, found),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(kernel) => kernel.trace::<ANY>(tree, rays, stops, found),
         }
     }
 }

@@ -41,36 +41,41 @@ pub const MAX_OFFSET: u32 = (1 << POOL_SHIFT) - 1;
 pub enum Child {
     /// Another node.
     Node(u32),
-    /// A leaf of 1 to 16 references; its place counts from the node's base.
+    /// A leaf.
     Leaf(Leaf),
-    /// A leaf of more references, so many grains behind the node's base; the grain before it holds their number.
-    Large(u32),
 }
 
 impl Child {
-    /// As a word.
-    pub fn encode(self) -> u32 {
+    /// As a word in a node whose leaves' places count from `base`. A leaf of more than 16 references keeps its place
+    /// alone: the grain before it holds their number.
+    pub fn encode(self, base: u32) -> u32 {
         match self {
             Self::Node(at) => at,
-            Self::Leaf(leaf) => {
-                LEAF | (leaf.count.wrapping_sub(1) & 15) << COUNT_SHIFT | leaf.pool << POOL_SHIFT | leaf.first
+            Self::Leaf(Leaf { first, count, pool }) if count as usize <= WIDTH => {
+                LEAF | (count.wrapping_sub(1) & 15) << COUNT_SHIFT | pool << POOL_SHIFT | (first - base)
             }
-            Self::Large(offset) => LEAF | LARGE | offset,
+            Self::Leaf(leaf) => LEAF | LARGE | (leaf.first - base),
         }
     }
 
-    /// From a word.
+    /// From a word; `large` finds a leaf of more than 16 references by its place.
     #[inline(always)]
-    pub fn decode(word: u32) -> Self {
+    pub fn decode(word: u32, base: u32, large: impl FnOnce(u32) -> Leaf) -> Self {
         if word & LEAF == 0 {
             Self::Node(word)
         } else if word & LARGE == 0 {
             let count = ((word >> COUNT_SHIFT) & 15) + 1;
-            Self::Leaf(Leaf { first: word & MAX_OFFSET, count, pool: (word >> POOL_SHIFT) & 31 })
+            Self::Leaf(Leaf { first: base + (word & MAX_OFFSET), count, pool: (word >> POOL_SHIFT) & 31 })
         } else {
-            Self::Large(word & (LARGE - 1))
+            Self::Leaf(large(base + (word & (LARGE - 1))))
         }
     }
+}
+
+/// Whether a word stands for a leaf.
+#[inline(always)]
+pub fn is_leaf(word: u32) -> bool {
+    word & LEAF != 0
 }
 
 impl WideNode {
@@ -109,9 +114,11 @@ mod tests {
     #[test]
     fn a_node_fills_eight_cache_lines_and_words_round_trip() {
         assert_eq!(size_of::<WideNode>(), 512);
-        let leaf = |first, count, pool| Child::Leaf(Leaf { first, count, pool });
-        for child in [Child::Node(77), leaf(12345, 1, 0), leaf(MAX_OFFSET, 16, 16), leaf(0, 3, 5), Child::Large(5)] {
-            assert_eq!(Child::decode(child.encode()), child);
+        let leaf = |first, count, pool| Child::Leaf(Leaf { first: 99 + first, count, pool });
+        let children = [Child::Node(77), leaf(12345, 1, 0), leaf(MAX_OFFSET, 16, 16), leaf(0, 3, 5), leaf(5, 40, 0)];
+        for child in children {
+            let large = |first| Leaf { first, count: 40, pool: 0 };
+            assert_eq!(Child::decode(child.encode(99), 99, large), child);
         }
     }
 }

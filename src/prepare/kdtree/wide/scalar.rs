@@ -2,8 +2,9 @@
 
 use super::super::block::Block;
 use super::super::slab::SlabRay;
-use super::kernel::{Enters, Kernel};
+use super::kernel::Kernel;
 use super::node::{WIDTH, WideNode};
+use super::stack::Stack;
 use crate::math::triangle::ShearedRay;
 
 /// Plain code, for any machine; what the other kernels are compared with.
@@ -18,7 +19,7 @@ impl Kernel for Scalar {
     }
 
     #[inline]
-    fn enter(self, slab: &Self::Ray, node: &WideNode, limit: f32, enters: &mut Enters) -> u32 {
+    fn open(self, slab: &Self::Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
         let (mut enter, mut leave) = ([0.0f32; WIDTH], [limit; WIDTH]);
         for axis in 0..3 {
             let (lo, hi) = (&node.planes[axis], &node.planes[axis + 3]);
@@ -29,17 +30,19 @@ impl Kernel for Scalar {
                 leave[i] = if b < leave[i] { b } else { leave[i] };
             }
         }
-        let mut entered = 0;
-        for i in 0..WIDTH {
+        for i in (0..WIDTH).rev() {
             let slot = node.slot(slab.octant, i);
-            enters.0[i] = enter[slot];
-            entered |= u32::from(enter[slot] <= leave[slot]) << i;
+            if enter[slot] <= leave[slot] {
+                stack.push(enter[slot], node.children[slot], node.leaf_base);
+            }
         }
-        entered
     }
 
     #[inline]
-    fn candidates(self, ray: &ShearedRay, block: &Block) -> u32 {
-        (0..block.len).map(|i| u32::from(ray.meet(block.corners(i), 0).is_some()) << i).sum()
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
+        let meets = |i: usize| {
+            !barred.contains(&block.triangle(i)) && ray.meet(block.corners(i), 0).is_some_and(|hit| 0.0 < hit.t)
+        };
+        (0..block.len).map(|i| u32::from(meets(i)) << i).sum()
     }
 }

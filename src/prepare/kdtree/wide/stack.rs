@@ -2,68 +2,126 @@
 #![allow(unsafe_code)]
 
 use super::super::split::MAX_DEPTH;
-use super::kernel::Enters;
-use super::node::WideNode;
+use super::node::WIDTH;
 use std::mem::MaybeUninit;
 
-/// Children of a node that wait: where they are entered, and which.
+/// A child that waits to be visited.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
 pub struct Waiting {
-    /// Where each child is entered, in the ray's order.
-    pub enters: Enters,
-    /// The children that wait, a bit each, in the ray's order; never 0 for an entry on the stack.
-    pub rest: u32,
+    /// Where the ray enters it; not a number below the last child.
+    pub enter: f32,
+    /// What it is, as its node has it.
+    pub word: u32,
+    /// The place in the leaf store from which its node counts.
+    pub leaf_base: u32,
 }
 
-/// One entry for a level of the tree at most, and one to work with.
-const CAPACITY: usize = MAX_DEPTH as usize + 2;
+/// A node leaves all but one of its children on the stack, at most so often; one entry lies below all, and there is room for
+/// all lanes of a vector above.
+const CAPACITY: usize = MAX_DEPTH as usize * (WIDTH - 1) + 1 + 2 * WIDTH;
 
-/// Entries from the root down, and above them a free one.
-pub struct Stack<'a> {
-    entries: [MaybeUninit<Waiting>; CAPACITY],
-    nodes: [MaybeUninit<&'a WideNode>; CAPACITY],
+/// Children that wait, the next one on top. Below them lies an entry whose distance is not a number.
+pub struct Stack {
+    enters: [MaybeUninit<f32>; CAPACITY],
+    words: [MaybeUninit<u32>; CAPACITY],
+    leaf_bases: [MaybeUninit<u32>; CAPACITY],
+    /// Entries in use, all initialised; the lowest is always there.
     len: usize,
 }
 
-impl<'a> Stack<'a> {
-    /// An empty stack.
+impl Stack {
+    /// Does some work with an empty stack. It is not handed out, since it is too large to be moved.
     #[inline(always)]
-    pub fn new() -> Self {
-        Self { entries: [MaybeUninit::uninit(); CAPACITY], nodes: [MaybeUninit::uninit(); CAPACITY], len: 0 }
+    pub fn with<R>(work: impl FnOnce(&mut Self) -> R) -> R {
+        let mut place = MaybeUninit::<Self>::uninit();
+        work(Self::begin(&mut place))
     }
 
-    /// The free entry above the last one.
-    #[inline(always)]
-    pub fn top(&mut self) -> &mut Waiting {
-        assert!(self.len < CAPACITY);
-        // SAFETY: within bounds by the assertion. `Waiting` is plain numbers, for which any initialised bytes would do,
-        // but these may be uninitialised: callers only get a place to write to, which `push` declares written; reading it
-        // before is prevented by initialising it here (the optimiser drops the stores that are overwritten).
-        unsafe { self.entries.get_unchecked_mut(self.len).write(Waiting { enters: Enters([0.0; 16]), rest: 0 }) }
+    /// Several empty stacks.
+    pub fn several(count: usize) -> Vec<Self> {
+        let mut stacks = Vec::with_capacity(count);
+        stacks.spare_capacity_mut()[..count].iter_mut().for_each(|place| {
+            Self::begin(place);
+        });
+        // SAFETY: so many were begun.
+        unsafe { stacks.set_len(count) };
+        stacks
     }
 
-    /// Keeps the free entry, which belongs to `node`.
+    /// Makes an empty stack without a touch of what may stay uninitialised.
     #[inline(always)]
-    pub fn push(&mut self, node: &'a WideNode) {
-        assert!(self.len < CAPACITY);
-        self.nodes[self.len].write(node);
-        self.len += 1;
-    }
-
-    /// The last entry.
-    #[inline(always)]
-    pub fn last(&mut self) -> Option<(&mut Waiting, &'a WideNode)> {
-        let last = self.len.checked_sub(1)?;
-        // SAFETY: below `len`, entries were written by `top` and nodes by `push`; `len` never exceeds the capacity.
+    fn begin(place: &mut MaybeUninit<Self>) -> &mut Self {
+        let stack = place.as_mut_ptr();
+        // SAFETY: all writes go to fields of the place; what is not written need not be initialised by its type.
         unsafe {
-            Some((self.entries.get_unchecked_mut(last).assume_init_mut(), self.nodes.get_unchecked(last).assume_init()))
+            (&raw mut (*stack).enters[0]).write(MaybeUninit::new(f32::NAN));
+            (&raw mut (*stack).words[0]).write(MaybeUninit::new(0));
+            (&raw mut (*stack).leaf_bases[0]).write(MaybeUninit::new(0));
+            (&raw mut (*stack).len).write(1);
+            place.assume_init_mut()
         }
     }
 
-    /// Drops the last entry.
+    /// Drops all that wait, under a condition that nobody could foretell.
     #[inline(always)]
-    pub fn pop(&mut self) {
-        self.len -= 1;
+    pub fn clear_if(&mut self, condition: bool) {
+        self.len = if condition { 1 } else { self.len };
+    }
+
+    /// Puts a child on top.
+    #[inline(always)]
+    pub fn push(&mut self, enter: f32, word: u32, leaf_base: u32) {
+        self.enters[self.len].write(enter);
+        self.words[self.len].write(word);
+        self.leaf_bases[self.len].write(leaf_base);
+        self.len += 1;
+    }
+
+    /// Where the next sixteen distances, words and leaf bases go: a kernel writes to all 48 and says with [`Stack::grow`]
+    /// how many are to stay.
+    #[inline(always)]
+    pub fn room(&mut self) -> (*mut f32, *mut u32, *mut u32) {
+        let room = self.len..self.len + WIDTH;
+        (
+            self.enters[room.clone()].as_mut_ptr().cast(),
+            self.words[room.clone()].as_mut_ptr().cast(),
+            self.leaf_bases[room].as_mut_ptr().cast(),
+        )
+    }
+
+    /// Keeps `count` of the entries that were written to [`Stack::room`].
+    ///
+    /// # Safety
+    /// All of them were written, and `count` is at most 16.
+    #[inline(always)]
+    pub unsafe fn grow(&mut self, count: usize) {
+        self.len += count;
+    }
+
+    /// Takes the top. The lowest entry stays.
+    #[inline(always)]
+    pub fn pop(&mut self) -> Waiting {
+        let top = self.len - 1;
+        self.len = top + usize::from(top == 0);
+        self.at(top)
+    }
+
+    /// What will be popped next.
+    #[inline(always)]
+    pub fn top(&self) -> Waiting {
+        self.at(self.len - 1)
+    }
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> Waiting {
+        // SAFETY: entries below `len`, which lies in 1..=CAPACITY and has only grown over initialised entries, are
+        // initialised; all callers pass `len - 1`.
+        unsafe {
+            Waiting {
+                enter: self.enters.get_unchecked(i).assume_init(),
+                word: self.words.get_unchecked(i).assume_init(),
+                leaf_base: self.leaf_bases.get_unchecked(i).assume_init(),
+            }
+        }
     }
 }

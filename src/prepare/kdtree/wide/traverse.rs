@@ -1,107 +1,127 @@
-//! The walk through wide nodes, for any kernel.
+//! The walk of one ray through wide nodes, for any kernel.
 
+use super::super::batch::NO_TRIANGLE;
 use super::super::block::Block;
-use super::super::leaves::Leaf;
 use super::super::slab::SlabRay;
 use super::WideTree;
 use super::kernel::Kernel;
-use super::node::Child;
-use super::prefetch;
-use super::stack::Stack;
+use super::node::{Child, WideNode};
+use super::stack::{Stack, Waiting};
 use crate::math::triangle::{Nearest, ShearedRay};
 use crate::math::{Hit, Ray};
 
 /// What a walk knows of its ray.
-struct Walk<K> {
+#[derive(Clone, Copy)]
+pub struct Walk<K: Kernel> {
     kernel: K,
     sheared: ShearedRay,
     slab: SlabRay,
+    /// Triangles that the ray may not meet.
+    barred: [u32; 2],
     nearest: Nearest,
     /// The nearest hit so far as a scaled distance.
     limit: f32,
 }
 
 /// The nearest accepted hit, or with `ANY` whichever accepted hit is found first.
-///
-/// Children are visited in the order in which the ray passes their cells. The cells are disjoint: when the next child on
-/// the stack begins beyond the nearest hit, so do all others. (With a margin for rounding; and not for rays that are
-/// parallel to an axis, which may run within a plane between two cells, both at the same time.)
 #[inline(always)]
 pub fn nearest<const ANY: bool, K: Kernel>(
     kernel: K,
     tree: WideTree,
     ray: &Ray,
-    mut accept: impl FnMut(&Hit) -> bool,
+    accept: impl FnMut(&Hit) -> bool,
 ) -> Option<Hit> {
-    let slab = SlabRay::new(ray);
-    let mut walk =
-        Walk { kernel, sheared: ShearedRay::new(ray), slab, nearest: Nearest::new(ray), limit: slab.scaled(ray.t_max) };
-    let prepared = kernel.prepare(&slab);
-    let octant = slab.octant;
-    let mut stack = Stack::new();
-    let (stop_factor, stop_add) = slab.stop(tree.thickness);
-    let mut node = tree.nodes.first()?;
-    loop {
-        // The children's words come last in the node and are needed last: have them fetched meanwhile.
-        prefetch::line(&node.children);
-        let top = stack.top();
-        let entered = kernel.enter(&prepared, node, walk.limit, &mut top.enters);
-        let mut next = None;
-        if entered != 0 {
-            let place = entered.trailing_zeros() as usize;
-            next = Some(node.children[node.slot(octant, place)]);
-            let rest = entered & (entered - 1);
-            if rest != 0 {
-                top.rest = rest;
-                let second = node.children[node.slot(octant, rest.trailing_zeros() as usize & 15)];
-                tree.prefetch(node, second);
-                stack.push(node);
-            }
-        }
-        let mut owner = node;
-        // Test leaves until there is a node to enter.
-        loop {
-            if let Some(word) = next {
-                let leaf = match Child::decode(word) {
-                    Child::Node(at) => {
-                        node = &tree.nodes[at as usize];
-                        break;
-                    }
-                    Child::Leaf(leaf) => Leaf { first: owner.leaf_base + leaf.first, ..leaf },
-                    Child::Large(offset) => tree.leaves.large(owner.leaf_base + offset),
-                };
-                for block in tree.leaves.blocks(leaf) {
-                    if walk.test_block(block, &mut accept) && ANY {
-                        return walk.nearest.hit;
-                    }
-                }
-            }
-            let Some((top, from)) = stack.last() else { return walk.nearest.hit };
-            let place = top.rest.trailing_zeros() as usize;
-            let enter = top.enters.0[place & 15];
-            top.rest &= top.rest - 1;
-            let emptied = top.rest == 0;
-            owner = from;
-            if emptied {
-                stack.pop();
-            }
-            if enter > walk.limit {
-                if enter > walk.limit * stop_factor + stop_add {
-                    return walk.nearest.hit;
-                }
-                next = None;
-                continue;
-            }
-            next = Some(owner.children[owner.slot(octant, place)]);
-        }
-    }
+    let mut walk = Walk::idle(kernel);
+    walk.begin(ray, [NO_TRIANGLE; 2]);
+    Stack::with(|stack| walk.go::<ANY>(tree, stack, accept))
 }
 
 impl<K: Kernel> Walk<K> {
+    #[inline(always)]
+    fn go<const ANY: bool>(
+        &mut self,
+        tree: WideTree,
+        stack: &mut Stack,
+        mut accept: impl FnMut(&Hit) -> bool,
+    ) -> Option<Hit> {
+        tree.nodes.first()?;
+        let prepared = self.kernel.prepare(&self.slab);
+        let mut child = Child::Node(0);
+        loop {
+            match child {
+                Child::Node(at) => self.kernel.open(&prepared, &tree.nodes[at as usize], self.limit, stack),
+                Child::Leaf(leaf) => {
+                    for block in tree.leaves.blocks(leaf) {
+                        if self.test_block(block, &mut accept) && ANY {
+                            return self.nearest.hit;
+                        }
+                    }
+                }
+            }
+            let next = loop {
+                let next = stack.pop();
+                if !self.is_beyond(&next) {
+                    break next;
+                }
+                if self.is_last(tree, &next) {
+                    return self.nearest.hit;
+                }
+            };
+            tree.prefetch(stack.top());
+            child = tree.child(&next);
+        }
+    }
+
+    /// Without a ray.
+    #[inline(always)]
+    pub fn idle(kernel: K) -> Self {
+        let sheared =
+            ShearedRay { origin: [0.0; 3], axes: [0, 1, 2], shear_x: 0.0, shear_y: 0.0, dir_z: 1.0, inv_dir_z: 1.0 };
+        let nearest = Nearest { t: 0.0, hit: None };
+        Self { kernel, sheared, slab: SlabRay::default(), barred: [NO_TRIANGLE; 2], nearest, limit: 0.0 }
+    }
+
+    /// Before the first node, with a ray.
+    #[inline(always)]
+    pub fn begin(&mut self, ray: &Ray, barred: [u32; 2]) {
+        self.slab.set(ray);
+        self.sheared = ShearedRay::new(ray);
+        self.barred = barred;
+        self.nearest = Nearest::new(ray);
+        self.limit = self.slab.scaled(ray.t_max);
+    }
+
+    /// Puts those children of a node on the stack that the ray enters.
+    #[inline(always)]
+    pub fn open(&self, node: &WideNode, stack: &mut Stack) {
+        self.kernel.open(&self.kernel.prepare(&self.slab), node, self.limit, stack);
+    }
+
+    /// What was found.
+    #[inline(always)]
+    pub fn hit(&self) -> Option<Hit> {
+        self.nearest.hit
+    }
+
+    /// Whether a child is entered beyond the nearest hit, or is none at all.
+    #[inline(always)]
+    pub fn is_beyond(&self, next: &Waiting) -> bool {
+        !(next.enter <= self.limit)
+    }
+
+    /// Of a child beyond the nearest hit: whether all others are too. Children wait in the order in which the ray passes their
+    /// cells, and the cells are disjoint. (With a margin for rounding; and not for rays that are parallel to an axis, which may
+    /// run within a plane between two cells, both at the same time.)
+    #[inline(always)]
+    pub fn is_last(&self, tree: WideTree, next: &Waiting) -> bool {
+        let (factor, add) = self.slab.stop(tree.thickness);
+        !(next.enter <= self.limit * factor + add)
+    }
+
     /// Tests a block; whether a hit was accepted.
     #[inline(always)]
-    fn test_block(&mut self, block: Block, accept: &mut impl FnMut(&Hit) -> bool) -> bool {
-        let mut candidates = self.kernel.candidates(&self.sheared, &block);
+    pub fn test_block(&mut self, block: Block, accept: &mut impl FnMut(&Hit) -> bool) -> bool {
+        let mut candidates = self.kernel.candidates(&self.sheared, &block, self.barred);
         let mut found = false;
         while candidates != 0 {
             let i = candidates.trailing_zeros() as usize;

@@ -33,7 +33,7 @@ pub fn check(tree: WideTree, binary: binary::Tree) -> Result<LeafBoxes, String> 
             if node.bounds(slot).is_empty() {
                 continue;
             }
-            let leaf = match Child::decode(node.children[slot]) {
+            let leaf = match Child::decode(node.children[slot], node.leaf_base, |first| tree.leaves.large(first)) {
                 Child::Node(child) => {
                     let below = tree.nodes.get(child as usize).ok_or("a wide child does not exist")?;
                     parents[child as usize] += 1;
@@ -46,8 +46,7 @@ pub fn check(tree: WideTree, binary: binary::Tree) -> Result<LeafBoxes, String> 
                     }
                     continue;
                 }
-                Child::Leaf(leaf) => Leaf { first: node.leaf_base + leaf.first, ..leaf },
-                Child::Large(offset) => tree.leaves.large(node.leaf_base + offset),
+                Child::Leaf(leaf) => leaf,
             };
             boxes.insert(leaf.first, node.bounds(slot));
             if !found.insert(leaf) {
