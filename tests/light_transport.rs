@@ -13,13 +13,17 @@ use kiln::settings::{PrepareSettings, RenderSettings, SamplerKind, Strategy};
 const STRATEGIES: [Strategy; 5] =
     [Strategy::Hemisphere, Strategy::Cosine, Strategy::Bsdf, Strategy::Light, Strategy::Mis];
 
-/// A white body in a white world cannot be seen: every pixel is exactly 1. (Its faces are flat: where smooth normals
-/// disagree with their face, directions below the face are lost, as in other renderers.)
+/// A white body in a white world cannot be seen: every pixel is exactly 1, with flat faces and with smooth normals.
 #[test]
 fn furnace_is_exact() {
+    for mesh in [Mesh { normals: Vec::new(), ..sphere(3) }, sphere(3), sphere(1)] {
+        furnace_is_exact_with(mesh);
+    }
+}
+
+fn furnace_is_exact_with(mesh: Mesh) {
     let mut scene = Scene::default();
-    let faceted = Mesh { normals: Vec::new(), ..sphere(3) };
-    add(&mut scene, faceted, lambert(1.0, 0.0), DAffine3::IDENTITY);
+    add(&mut scene, mesh, lambert(1.0, 0.0), DAffine3::IDENTITY);
     let view = view(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, 40.0, 32);
     let world = EnvironmentSource::Constant([1.0; 3]);
     let settings = RenderSettings { spp: 16, max_depth: 8, ..RenderSettings::default() };

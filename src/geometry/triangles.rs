@@ -136,6 +136,11 @@ impl Geometry {
         (mesh, mesh.triangles[self.local[triangle as usize] as usize].map(|i| i as usize))
     }
 
+    /// Number of a triangle within its mesh.
+    pub fn number_in_mesh(&self, triangle: u32) -> u32 {
+        self.local[triangle as usize]
+    }
+
     /// The material of a triangle.
     pub fn material(&self, scene: &Scene, triangle: u32) -> MaterialId {
         scene.meshes[self.part(triangle).mesh as usize].material

@@ -36,6 +36,11 @@ impl WorldFrame {
         (world - self.center) * self.scale
     }
 
+    /// The world point of one in the rays' frame.
+    pub fn world_point(&self, point: Vec3) -> DVec3 {
+        point.as_dvec3() / self.scale + self.center
+    }
+
     /// A world vector in the rays' frame.
     pub fn vector(&self, world: DVec3) -> Vec3 {
         (world * self.scale).as_vec3()

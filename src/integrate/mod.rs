@@ -1,21 +1,26 @@
 //! Light transport: from a prepared scene and a view to a film.
 
 mod camera;
+mod dropped;
 mod medium;
 mod path;
+mod record;
+mod replay;
 mod tile;
 mod trace;
 mod vertex;
 
 use crate::film::{Film, Picture};
 use crate::prepare::PreparedScene;
-use crate::sampling::{PathSampler, Purpose};
 use crate::settings::RenderSettings;
 use camera::RayCamera;
 use cpu_time::ThreadTime;
+pub use dropped::{Dropped, DroppedSample};
 use kiln_formats::scene::Camera;
 use kiln_formats::{Control, Stopped};
 use rayon::prelude::*;
+pub use record::{Cause, PathEvent};
+pub use replay::{PathTrace, replay};
 use std::ops::Range;
 pub use tile::PassTally;
 use tile::Tile;
@@ -65,6 +70,8 @@ pub struct Rendered {
     pub rays: RayCounts,
     /// Samples dropped because they were not finite.
     pub nonfinite: u64,
+    /// Why, and where to look.
+    pub dropped: Dropped,
     /// CPU seconds over all threads.
     pub cpu_seconds: f64,
 }
@@ -81,10 +88,10 @@ pub fn render(
 ) -> Result<Rendered, Stopped> {
     control.begin(u64::from(view.width) * u64::from(view.height) * u64::from(settings.spp));
     let mut film = Film::new(view.width, view.height, view.show_environment);
-    let PassTally { rays, nonfinite, cpu_seconds, .. } =
+    let PassTally { rays, nonfinite, dropped, cpu_seconds, .. } =
         render_pass(scene, view, settings, &mut film, 0..settings.spp, control)?;
     let picture = film.picture();
-    Ok(Rendered { film, picture, spp: settings.spp, rays, nonfinite, cpu_seconds })
+    Ok(Rendered { film, picture, spp: settings.spp, rays, nonfinite, dropped, cpu_seconds })
 }
 
 /// Adds the samples numbered `samples` of every pixel to a film, on the current rayon pool; `settings.spp` does not
@@ -110,6 +117,7 @@ pub fn render_pass(
         .map(|corner| {
             let mut tile = Tile::of(before, *corner, settings.clamp);
             render_tile(scene, view, &camera, settings, &mut tile, samples.clone(), control)?;
+            tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
             Ok(tile)
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -138,12 +146,8 @@ fn render_tile(
             if sample % 64 == 0 || sample == samples.start {
                 control.check()?;
             }
-            let mut sampler = PathSampler::new(settings.sampler, settings.seed, [x, y], sample);
-            let [dx, dy] = sampler.get_2d(0, Purpose::Pixel);
-            let across = |at: u32, within: f32, size: u32| (f64::from(at) + f64::from(within)) / f64::from(size);
-            let ray = camera.ray(across(x, dx, view.width), across(y, dy, view.height));
             let rays = &mut tile.tally.rays;
-            let path = path::trace_path(scene, settings, &mut sampler, ray, view.show_environment, rays);
+            let path = replay::follow(scene, view, camera, settings, ([x, y], sample), rays, &mut ());
             tile.add(pixel as usize, sample, path.radiance, path.covered);
         }
         control.advance(u64::from(samples.end - samples.start));

@@ -2,10 +2,12 @@
 
 use super::RayCounts;
 use super::medium::Inside;
+use super::record::{PathEvent, Recorder};
 use super::trace::{Asker, closest, visibility};
 use super::vertex::{Outgoing, Place, Vertex};
 use crate::geometry::emission;
 use crate::lighting::{LightReach, Receiver};
+use crate::math::Hit;
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::{RenderSettings, Strategy};
@@ -31,7 +33,7 @@ struct Sent {
     smooth: Option<(Receiver, f32)>,
 }
 
-/// Follows one path from `origin` along the unit vector `dir`.
+/// Follows one path from `origin` along the unit vector `dir`. The radiance is not finite where the path's weight was not.
 pub(super) fn trace_path(
     prepared: &PreparedScene,
     settings: &RenderSettings,
@@ -39,6 +41,7 @@ pub(super) fn trace_path(
     (mut origin, mut dir): (Vec3, Vec3),
     show_environment: bool,
     rays: &mut RayCounts,
+    recorder: &mut impl Recorder,
 ) -> PathResult {
     let reach = reach(settings.strategy);
     let mut radiance = Vec3::ZERO;
@@ -50,34 +53,62 @@ pub(super) fn trace_path(
     let mut leaves = None;
     rays.camera += 1;
     for depth in 0..=settings.max_depth {
+        recorder.note(|| PathEvent::Ray { depth, origin: prepared.frame.world_point(origin), direction: dir });
         let asker = Asker { sampler: *sampler, vertex: depth, draw: 0, leaves, eye: depth == 0 };
         let hit = closest(prepared, &asker, origin, dir);
         let Some((hit, place)) = hit.and_then(|hit| Some((hit, Place::new(prepared, &hit, dir)?))) else {
             if depth > 0 || show_environment {
-                radiance += throughput * environment(prepared, settings, reach, &sent, dir);
+                let light = environment(prepared, settings, reach, &sent, dir);
+                radiance += throughput * light;
+                recorder.note(|| PathEvent::Environment { light, contribution: throughput * light });
             }
+            recorder.note(|| PathEvent::End { why: "left the scene" });
             return PathResult { radiance, covered: depth > 0 };
         };
+        recorder.note(|| hit_event(prepared, &hit, &place));
         inside = inside.met(prepared, &place);
-        throughput *= inside.transmittance(prepared, hit.t);
+        let transmittance = inside.transmittance(prepared, hit.t);
+        throughput *= transmittance;
+        if transmittance != Vec3::ONE {
+            recorder.note(|| PathEvent::Absorbed { transmittance, throughput });
+        }
         let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
         let emitted = emission::emitted(&prepared.scene, &prepared.geometry, hit.triangle, b, place.front);
         if emitted != Vec3::ZERO {
-            radiance += throughput * emitted * emission_weight(prepared, settings, reach, &sent, &place);
+            let weight = emission_weight(prepared, settings, reach, &sent, &place);
+            radiance += throughput * emitted * weight;
+            let contribution = throughput * emitted * weight;
+            recorder.note(|| PathEvent::Emission { radiance: emitted, weight, contribution });
         }
         if depth == settings.max_depth {
+            recorder.note(|| PathEvent::End { why: "as deep as paths may go" });
             break;
         }
         let index_around = inside.index_around(prepared, &place);
         let vertex = Vertex::new(prepared, &hit, place, dir, index_around);
+        recorder.note(|| PathEvent::Surface { shading_normal: vertex.shading_normal(), lobes: vertex.bsdf.describe() });
         if vertex.bsdf.is_black() {
+            recorder.note(|| PathEvent::End { why: "the surface scatters nothing" });
             break;
         }
         if vertex.bsdf.has_smooth() && prepared.lights.any(reach) {
-            radiance += throughput * direct(prepared, settings, reach, sampler, depth, &vertex, inside, rays);
+            let light = direct(prepared, settings, reach, sampler, depth, &vertex, inside, rays, recorder);
+            radiance += throughput * light;
+            recorder.note(|| PathEvent::DirectLight { radiance: light, contribution: throughput * light });
         }
-        let Some((wi, outgoing, sample)) = scatter(settings.strategy, sampler, depth, &vertex) else { break };
+        let Some((wi, outgoing, sample)) = scatter(settings.strategy, sampler, depth, &vertex) else {
+            recorder.note(|| PathEvent::End { why: "absorbed" });
+            break;
+        };
         throughput *= sample.weight;
+        recorder.note(|| {
+            let BsdfSample { pdf, delta, transmitted, weight, .. } = sample;
+            PathEvent::Scattered { direction: wi, pdf, delta, transmitted, weight, throughput }
+        });
+        if !throughput.is_finite() {
+            // Roulette would end the path here, and nobody would know.
+            return PathResult { radiance: Vec3::NAN, covered: true };
+        }
         eta_scale *= sample.eta_scale;
         if sample.transmitted {
             inside = inside.crossed(prepared, &place);
@@ -86,9 +117,11 @@ pub(super) fn trace_path(
             let survival = (throughput.max_element() / eta_scale).min(MOST_SURVIVAL);
             // A survival of zero can only come with a throughput of zero.
             if !(sampler.get_1d(depth, Purpose::Roulette) < survival) {
+                recorder.note(|| PathEvent::End { why: "Russian roulette" });
                 break;
             }
             throughput /= survival;
+            recorder.note(|| PathEvent::Roulette { survival, throughput });
         }
         sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), sample.pdf)) };
         origin = outgoing.origin;
@@ -97,6 +130,19 @@ pub(super) fn trace_path(
         rays.bounce += 1;
     }
     PathResult { radiance, covered: true }
+}
+
+#[cold]
+fn hit_event(prepared: &PreparedScene, hit: &Hit, place: &Place) -> PathEvent {
+    let (scene, geometry) = (&prepared.scene, &prepared.geometry);
+    PathEvent::Hit {
+        distance: f64::from(hit.t) / prepared.frame.scale(),
+        point: prepared.frame.world_point(place.point),
+        mesh: scene.meshes[geometry.part(hit.triangle).mesh as usize].name.clone(),
+        triangle: geometry.number_in_mesh(hit.triangle),
+        material: scene.materials[place.material as usize].name.clone(),
+        front: place.front,
+    }
 }
 
 fn reach(strategy: Strategy) -> LightReach {
@@ -136,6 +182,7 @@ fn direct(
     vertex: &Vertex,
     inside: Inside,
     rays: &mut RayCounts,
+    recorder: &mut impl Recorder,
 ) -> Vec3 {
     let count = settings.light_samples.max(1);
     let receiver = vertex.receiver();
@@ -156,14 +203,21 @@ fn direct(
         let asker = Asker { sampler: *sampler, vertex: depth + 1, draw: k + 1, leaves: None, eye: false };
         let inside = if outgoing.local.z < 0.0 { inside.crossed(prepared, &vertex.place) } else { inside };
         let visible = visibility(prepared, &asker, vertex, &outgoing, inside, &light);
-        if visible == Vec3::ZERO {
-            continue;
-        }
         let weight = match (light.pdf, settings.strategy) {
             (Some(pdf), Strategy::Mis) => balance(pdf * count as f32, bsdf_pdf),
             _ => 1.0,
         };
-        sum += value * light.weight * visible * weight;
+        let arriving = if visible == Vec3::ZERO { Vec3::ZERO } else { value * light.weight * visible * weight };
+        sum += arriving;
+        recorder.note(|| PathEvent::LightSample {
+            direction: light.direction,
+            pdf: light.pdf,
+            bsdf: value,
+            bsdf_pdf,
+            visible,
+            weight,
+            contribution: arriving / count as f32,
+        });
     }
     sum / count as f32
 }

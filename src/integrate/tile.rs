@@ -1,4 +1,4 @@
-use super::RayCounts;
+use super::{Cause, Dropped, DroppedSample, RayCounts};
 use crate::film::{Film, PixelSums};
 use glam::Vec3;
 
@@ -12,6 +12,8 @@ pub struct PassTally {
     pub rays: RayCounts,
     /// Samples dropped because they were not finite.
     pub nonfinite: u64,
+    /// Why, and where to look.
+    pub dropped: Dropped,
     /// Radiance that clamping took off, summed over samples and channels.
     pub clamped: f64,
     /// CPU seconds over all threads.
@@ -22,6 +24,7 @@ impl std::ops::AddAssign for PassTally {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.nonfinite += other.nonfinite;
+        self.dropped += other.dropped;
         self.clamped += other.clamped;
         self.cpu_seconds += other.cpu_seconds;
     }
@@ -39,6 +42,8 @@ pub(super) struct Tile {
     pixels: Vec<PixelSums>,
     /// What it cost.
     pub tally: PassTally,
+    /// Pixel and sample of what was not finite.
+    nonfinite: Vec<(usize, u32)>,
     clamp: f32,
 }
 
@@ -58,18 +63,29 @@ impl Tile {
             pixels.extend_from_slice(&film.pixels[start..start + width as usize]);
         }
         let clamp = clamp.unwrap_or(f32::INFINITY);
-        Self { x, y, width, height, pixels, tally: PassTally::default(), clamp }
+        Self { x, y, width, height, pixels, tally: PassTally::default(), nonfinite: Vec::new(), clamp }
     }
 
     /// Adds a sample to the tile's pixel number `pixel` (row by row). Those of a pixel come in ascending order; the order
     /// between pixels is free. A sample that is not finite is counted and dropped.
     pub fn add(&mut self, pixel: usize, sample: u32, radiance: Vec3, covered: bool) {
         if !radiance.is_finite() {
-            self.tally.nonfinite += 1;
+            self.nonfinite.push((pixel, sample));
             return;
         }
         let kept = if radiance.max_element() > self.clamp { self.cut(radiance) } else { radiance };
         self.pixels[pixel].add(sample, kept.extend(f32::from(u8::from(covered))).to_array());
+    }
+
+    /// Has the dropped samples of this pass explained: `cause_of` follows the path of a sample again.
+    pub fn explain(&mut self, cause_of: impl Fn([u32; 2], u32) -> Option<Cause>) {
+        for (pixel, sample) in std::mem::take(&mut self.nonfinite) {
+            let pixel = [self.x + pixel as u32 % self.width, self.y + pixel as u32 / self.width];
+            // A path that comes out finite when it is followed alone would be a defect of the batched tracer.
+            let cause = cause_of(pixel, sample).unwrap_or(Cause::Overflow);
+            self.tally.nonfinite += 1;
+            self.tally.dropped.add(DroppedSample { pixel, sample, cause });
+        }
     }
 
     #[cold]
@@ -114,6 +130,8 @@ mod tests {
         tile.add(0, 0, Vec3::new(5.0, 2.0, 1.0), true);
         tile.add(0, 1, Vec3::new(f32::NAN, 2.0, 1.0), true);
         assert_eq!(tile.pixels[0].mean(1), [2.0, 2.0, 1.0, 1.0]);
+        tile.explain(|pixel, sample| (pixel == [0, 0] && sample == 1).then_some(Cause::Scattering));
         assert_eq!((tile.tally.clamped, tile.tally.nonfinite), (3.0, 1));
+        assert_eq!(tile.tally.dropped.by_cause().collect::<Vec<_>>(), [(Cause::Scattering, 1)]);
     }
 }

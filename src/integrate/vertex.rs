@@ -108,6 +108,11 @@ impl Vertex {
         Self { place, point, lifted, frame, wo_local, bsdf }
     }
 
+    /// The shading normal on the viewer's side.
+    pub(super) fn shading_normal(&self) -> Vec3 {
+        self.frame.z
+    }
+
     /// Direction to the viewer in the shading frame.
     pub(super) fn wo_local(&self) -> Vec3 {
         self.wo_local

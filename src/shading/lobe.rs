@@ -49,6 +49,19 @@ pub enum Sampled {
 }
 
 impl Lobe {
+    /// What it is called.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Lambert { .. } => "lambert",
+            Self::GgxReflection { .. } => "ggx-reflection",
+            Self::Mirror { .. } => "mirror",
+            Self::Dielectric { .. } => "dielectric",
+            Self::RoughDielectric { .. } => "rough-dielectric",
+            Self::Straight { .. } => "thin-wall",
+            Self::RoughThinWall { .. } => "rough-thin-wall",
+        }
+    }
+
     /// Whether it has a density over solid angle.
     pub fn is_smooth(&self) -> bool {
         !matches!(self, Self::Mirror { .. } | Self::Dielectric { .. } | Self::Straight { .. })

@@ -107,6 +107,11 @@ impl Bsdf {
         self.lobes.iter().zip(self.probability).take(self.count)
     }
 
+    /// Names of the lobes with the probability of sampling each.
+    pub fn describe(&self) -> Vec<(&'static str, f32)> {
+        self.lobes().map(|(lobe, probability)| (lobe.name(), probability)).collect()
+    }
+
     /// Whether nothing scatters.
     pub fn is_black(&self) -> bool {
         self.count == 0
