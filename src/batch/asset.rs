@@ -109,7 +109,7 @@ impl Work<'_> {
             self.begin(stage);
             let clock = StageClock::begin();
             let rendered = render(&prepared, view, &self.job.settings.render, self.control)?;
-            self.count(&rendered);
+            self.count(&rendered, Some(index as u32));
             self.outcome.seconds.render += clock.seconds().0;
             self.write(&rendered, index as u32, exposure)?;
         }
@@ -202,7 +202,7 @@ impl Work<'_> {
         let Some(view) = views.first().filter(|_| own) else { return Ok(()) };
         let clock = StageClock::begin();
         let (dark, rendered) = exposure::is_dark(prepared, view, &settings.render, self.control)?;
-        self.count(&rendered);
+        self.count(&rendered, None);
         if dark {
             prepared.relight(&EnvironmentSource::Studio, &settings.prepare);
             self.outcome.light = Some("own + studio".into());
@@ -225,19 +225,20 @@ impl Work<'_> {
                 self.begin(Stage::Expose);
                 let clock = StageClock::begin();
                 let (ev, rendered) = exposure::meter(prepared, views, &settings.render, self.control)?;
-                rendered.iter().for_each(|r| self.count(r));
+                rendered.iter().for_each(|r| self.count(r, None));
                 self.outcome.seconds.render += clock.seconds().0;
                 Ok(ev)
             }
         }
     }
 
-    fn count(&mut self, rendered: &Rendered) {
+    /// Counts what a render took; `view`: the one whose picture it is.
+    fn count(&mut self, rendered: &Rendered, view: Option<u32>) {
         self.outcome.cpu_seconds.render += rendered.cpu_seconds;
         self.outcome.rays.camera += rendered.rays.camera;
         self.outcome.rays.bounce += rendered.rays.bounce;
         self.outcome.rays.shadow += rendered.rays.shadow;
-        self.outcome.nonfinite += rendered.nonfinite;
+        self.outcome.count_dropped(&rendered.dropped, view);
     }
 
     /// Encodes and writes one view in every format.

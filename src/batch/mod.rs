@@ -25,7 +25,7 @@ pub use environment::{LoadedEnvironment, lights_itself};
 pub use facts::{AssetFacts, CameraFacts, LightFacts, MaterialFacts, TextureFacts};
 pub use job::{Job, Output, Stage};
 pub use manifest::Manifest;
-pub use outcome::{Outcome, OutputRecord, Rays, SceneFacts, StageSeconds, Status};
+pub use outcome::{DroppedRecord, Outcome, OutputRecord, Rays, SceneFacts, StageSeconds, Status};
 pub use ready::{Ready, make_ready};
 pub use run::{Assignment, Observer, run};
 pub use sink::{FileSink, MemorySink, Sink};

@@ -1,7 +1,11 @@
-use crate::integrate::RayCounts;
+use crate::integrate::{Cause, Dropped, DroppedSample, RayCounts};
 use crate::settings::PictureFormat;
 use kiln_formats::Warning;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Places of dropped samples that are kept.
+const PLACES: usize = 8;
 
 /// How an asset fared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -101,6 +105,16 @@ pub struct StageSeconds {
 /// Rays traced.
 pub type Rays = RayCounts;
 
+/// Where a sample was dropped because it was not finite; with the record's seed that is the path's address.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DroppedRecord {
+    /// Which of the asset's views, from 0.
+    pub view: u32,
+    /// Its pixel, sample and cause.
+    #[serde(flatten)]
+    pub sample: DroppedSample,
+}
+
 /// What became of a job: one line of the manifest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
@@ -136,6 +150,12 @@ pub struct Outcome {
     pub rays: Rays,
     /// Samples dropped because they were not finite.
     pub nonfinite: u64,
+    /// How many of them for which cause.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub nonfinite_causes: BTreeMap<Cause, u64>,
+    /// The first of them that are in pictures (not in what measures the exposure), for `--replay`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nonfinite_first: Vec<DroppedRecord>,
     /// Most memory that the process has held so far (other assets of the batch included); `None` where the system
     /// does not tell.
     pub peak_bytes: Option<u64>,
@@ -161,8 +181,22 @@ impl Outcome {
             cpu_seconds: StageSeconds::default(),
             rays: Rays::default(),
             nonfinite: 0,
+            nonfinite_causes: BTreeMap::new(),
+            nonfinite_first: Vec::new(),
             peak_bytes: None,
         }
+    }
+
+    /// Counts dropped samples, of this view's picture where they are in one.
+    pub fn count_dropped(&mut self, dropped: &Dropped, view: Option<u32>) {
+        self.nonfinite += dropped.count();
+        for (cause, count) in dropped.by_cause() {
+            *self.nonfinite_causes.entry(cause).or_default() += count;
+        }
+        let records =
+            view.into_iter().flat_map(|view| dropped.first().map(move |sample| DroppedRecord { view, sample }));
+        let room = PLACES - self.nonfinite_first.len().min(PLACES);
+        self.nonfinite_first.extend(records.take(room));
     }
 
     /// The manifest line, without a line end.

@@ -11,6 +11,7 @@ mod looks;
 mod options;
 mod progress;
 mod render;
+mod replay;
 mod summary;
 
 use clap::{Parser, Subcommand};

@@ -4,6 +4,7 @@ use super::exit::{Exit, Fatal};
 use super::interrupt::Interrupt;
 use super::options::SettingOptions;
 use super::progress::Progress;
+use super::replay::{self, PathAddress};
 use clap::Args;
 use kiln::Control;
 use kiln::batch::{Assignment, FileSink, Job, MemorySink, Output, run};
@@ -17,6 +18,7 @@ Examples:
   kiln render chair.glb -o chair.exr --spp 1024
   kiln render chair.glb -o turn.png --turntable 24  turn.000.png … turn.023.png
   kiln render chair.glb -o - | display
+  kiln render chair.glb --replay 12,34,5            what happens to sample 5 of the pixel in column 12, row 34
   kiln render helmet.glb --view bench.json --env studio.hdr --format png,exr";
 
 /// `kiln render`.
@@ -31,6 +33,9 @@ pub struct RenderCommand {
     /// Files to write, where -o does not say it [default: png]
     #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "output")]
     format: Vec<PictureFormat>,
+    /// Follows one path instead, by column, row and sample (and view), and prints its steps
+    #[arg(long, value_name = "X,Y,SAMPLE", conflicts_with_all = ["output", "format"])]
+    replay: Option<PathAddress>,
     #[command(flatten)]
     options: SettingOptions,
 }
@@ -56,6 +61,9 @@ impl RenderCommand {
             settings,
         };
         self.options.start_threads()?;
+        if let Some(address) = self.replay {
+            return replay::run(&job, address, environment, self.options.json);
+        }
         let control = Control::default();
         let interrupt = Interrupt::watch(&control);
         let console = Console::new(self.options.quiet, self.options.verbose);

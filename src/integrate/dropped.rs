@@ -6,7 +6,7 @@ use super::Cause;
 const KEPT: usize = 8;
 
 /// Address of a sample, and why it was dropped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct DroppedSample {
     /// Column and row from the upper left.
     pub pixel: [u32; 2],

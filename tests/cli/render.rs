@@ -81,3 +81,39 @@ fn an_output_below_a_file_is_a_failure() {
     assert_eq!(code(&output), 1);
     assert!(stderr(&output).contains("picture.png cannot be written"), "{}", stderr(&output));
 }
+
+#[test]
+fn one_path_can_be_followed_again() {
+    let dir = folder(&[("a.obj", OBJ)]);
+    let output = render(dir.path(), &["a.obj", "--replay", "8,8,0"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(text.starts_with("pixel 8,8, sample 0, seed 0\n") && text.contains("radiance ("), "{text}");
+    let output = render(dir.path(), &["a.obj", "--replay", "8,8,0", "--json"]);
+    let trace: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    assert_eq!((&trace["events"][0]["event"], &trace["cause"]), (&Value::from("ray"), &Value::Null));
+    assert_eq!(files(dir.path()), ["a.obj"], "no picture is written");
+    for (wrong, says) in [("16,0,0", "not in a picture of 16×16"), ("0,0,0,1", "views"), ("1,2", "12,34,5")] {
+        let output = render(dir.path(), &["a.obj", "--replay", wrong]);
+        assert_eq!(code(&output), 2);
+        assert!(stderr(&output).contains(says), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn the_record_says_what_was_not_finite_and_where() {
+    let corner = "SBT-raytracer 1.0\n\
+        camera { position = (2,2,2); viewdir = (-1,-1,-1); updir = (0,0,1); fov = 0.5; }\n\
+        trimesh { points = ((0,0,0),(1,0,0),(0,1,0),(0,0,1)); faces = ((0,1,2),(0,2,3),(0,3,1));\n\
+        material = { diffuse = (0.9,0.9,0.9); emissive = (3e38,3e38,3e38); } }\n";
+    let dir = folder(&[("a.ray", corner)]);
+    let output = render(dir.path(), &["a.ray", "--json", "--quiet", "--env", "none"]);
+    let line: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let causes: u64 = line["nonfinite_causes"].as_object().expect("causes").values().filter_map(Value::as_u64).sum();
+    assert!(causes > 0 && line["nonfinite"] == causes, "{line}");
+    let place = &line["nonfinite_first"][0];
+    let address = format!("{},{},{},{}", place["pixel"][0], place["pixel"][1], place["sample"], place["view"]);
+    let output = render(dir.path(), &["a.ray", "--replay", &address, "--json", "--env", "none"]);
+    let trace: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    assert_eq!(trace["cause"], place["cause"]);
+}
