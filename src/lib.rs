@@ -1,8 +1,10 @@
 //! Kiln turns folders of 3D assets into path-traced pictures.
 //!
 //! Data flows one way: `formats` reads bytes into a [`Scene`], [`prepare`] makes it a [`prepare::PreparedScene`],
-//! [`integrate`] fills a [`film::Film`], [`write`](mod@write) makes files of it, and [`batch`] drives all this for a folder.
+//! [`integrate`] fills a [`film::Film`] pass by pass, [`accuracy`] says when that is enough, [`write`](mod@write) makes files of
+//! it, and [`batch`] drives all this for a folder.
 
+pub mod accuracy;
 pub mod batch;
 pub mod checks;
 pub mod film;

@@ -1,11 +1,13 @@
 //! What can be asked for: plain data that the command line, presets and the manifest share.
 
 mod environment;
+mod goal;
 mod look;
 mod pictures;
 mod views;
 
 pub use environment::{EnvironmentFile, EnvironmentSettings};
+pub use goal::{Goal, MOST_SPP, Preset};
 pub use look::LookSettings;
 pub use pictures::{Background, BitDepth, Exposure, PictureFormat, PictureSettings, ToneMap};
 pub use views::{CameraChoice, FixedView, UpChoice, ViewSettings};
@@ -89,10 +91,11 @@ pub struct PrepareSettings {
     pub simd: SimdTier,
 }
 
-/// What a picture is rendered with. Pixels depend on the scene, the view and this alone.
+/// What a picture is rendered with. Pixels depend on the scene, the view and this alone, and on the [`Goal`] in how many
+/// samples there are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RenderSettings {
-    /// Camera paths per pixel.
+    /// Camera paths per pixel; with a [`Goal`], at most.
     pub spp: u32,
     /// Selects the random numbers.
     pub seed: u64,
@@ -135,6 +138,8 @@ pub struct Settings {
     pub prepare: PrepareSettings,
     /// Light transport.
     pub render: RenderSettings,
+    /// When pictures are good enough.
+    pub goal: Goal,
     /// From light to files.
     pub pictures: PictureSettings,
 }

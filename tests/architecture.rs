@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module of the crate and the modules that it may use.
-const ARROWS: [(&str, &[&str]); 15] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("math", &[]),
     ("lanes", &["math"]),
     ("settings", &["math"]),
@@ -19,7 +19,8 @@ const ARROWS: [(&str, &[&str]); 15] = [
     ("integrate", &["film", "geometry", "lanes", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
     ("write", &["film", "settings"]),
     ("metrics", &["film", "settings", "write"]),
-    ("batch", &["film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
+    ("accuracy", &["film", "integrate", "math", "prepare", "sampling", "settings", "write"]),
+    ("batch", &["accuracy", "film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
     ("checks", &["film", "integrate", "math", "prepare", "settings"]),
     ("cli", &["batch", "checks", "metrics", "settings", "write"]),
 ];

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
 
 /// The work was stopped by its caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -15,17 +16,29 @@ struct Shared {
 
 /// A handle on running work: the worker polls it and reports to it, others ask for a stop and read the progress.
 ///
-/// Clones share one state. Long loops poll [`Control::check`] every 10 ms or so.
+/// Clones share one state. Long loops poll [`Control::check`] every 10 ms or so; with a deadline it reads the clock.
 #[derive(Clone, Debug, Default)]
 pub struct Control {
     shared: Arc<Shared>,
     parent: Option<Arc<Shared>>,
+    deadline: Option<Instant>,
 }
 
 impl Control {
     /// A handle with a progress of its own that also stops when `self` is stopped.
     pub fn child(&self) -> Self {
-        Self { shared: Arc::default(), parent: Some(self.shared.clone()) }
+        Self { shared: Arc::default(), parent: Some(self.shared.clone()), deadline: self.deadline }
+    }
+
+    /// The same handle for work that also stops at a moment, or at its own deadline if that is earlier.
+    pub fn until(&self, deadline: Instant) -> Self {
+        let deadline = self.deadline.map_or(deadline, |own| own.min(deadline));
+        Self { deadline: Some(deadline), ..self.clone() }
+    }
+
+    /// When the work stops by itself.
+    pub fn deadline(&self) -> Option<Instant> {
+        self.deadline
     }
 
     /// Asks the work to stop.
@@ -33,8 +46,13 @@ impl Control {
         self.shared.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Whether a stop was asked for.
+    /// Whether the work is to stop: somebody asked for it or the deadline has passed.
     pub fn is_stopped(&self) -> bool {
+        self.was_asked_to_stop() || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// Whether somebody asked for a stop, whatever the deadline.
+    pub fn was_asked_to_stop(&self) -> bool {
         let stopped = |s: &Shared| s.stop.load(Ordering::Relaxed);
         stopped(&self.shared) || self.parent.as_deref().is_some_and(stopped)
     }
@@ -42,14 +60,19 @@ impl Control {
     /// For `?` in the worker's loops.
     ///
     /// # Errors
-    /// [`Stopped`] when a stop was asked for.
+    /// [`Stopped`] when a stop was asked for or the deadline has passed.
     pub fn check(&self) -> Result<(), Stopped> {
         if self.is_stopped() { Err(Stopped) } else { Ok(()) }
     }
 
     /// Begins a stage of `total` steps.
     pub fn begin(&self, total: u64) {
-        self.shared.done.store(0, Ordering::Relaxed);
+        self.begin_at(0, total);
+    }
+
+    /// Goes on with a stage of `total` steps of which `done` are done.
+    pub fn begin_at(&self, done: u64, total: u64) {
+        self.shared.done.store(done, Ordering::Relaxed);
         self.shared.total.store(total, Ordering::Relaxed);
     }
 

@@ -1,11 +1,13 @@
+use super::budget::Budget;
 use super::environment::{self, LoadedEnvironment};
+use super::picture::Shot;
 use super::sink::{FileSink, Sink};
 use super::stages::{StageClock, peak_bytes};
-use super::{Job, Outcome, OutputRecord, SceneFacts, Stage, Status, digest, exposure, job, looks, views};
-use crate::integrate::{Rendered, View, render};
+use super::{Job, Outcome, SceneFacts, Stage, Status, digest, exposure, looks, views};
+use crate::accuracy::{Display, Ended, Finished, Progressive};
+use crate::integrate::{PassTally, View};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
-use crate::settings::{Background, EnvironmentSettings, Exposure, PictureFormat};
-use crate::write::{Metadata, display, exr, png};
+use crate::settings::{Background, EnvironmentSettings, Exposure, Goal, PictureFormat};
 use kiln_formats::{Control, ErrorCode, Format, ImportError, ImportOptions, Scene, Stopped, Warning, import};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -37,16 +39,22 @@ pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
     }
     let clock = StageClock::begin();
     let mut outcome = Outcome::skipped(&job.name, job.settings.render.seed);
-    let work = AssertUnwindSafe(|| Work { job, control, desk, outcome: &mut outcome }.run());
+    let views = &job.settings.views;
+    let budget = Budget::begin(&job.settings.goal, control, u64::from(views.width) * u64::from(views.height));
+    let control = &budget.before_the_first_pass(control);
+    let work = AssertUnwindSafe(|| Work { job, control, desk, budget, outcome: &mut outcome }.run());
     let ended = catch_unwind(work).unwrap_or_else(|panic| Err(Failure::of_panic(&*panic)));
     match ended {
-        Ok(()) if outcome.warnings.is_empty() => outcome.status = Status::Ok,
-        Ok(()) => outcome.status = Status::Warned,
+        Ok(Ended::Deadline) => outcome.status = Status::Partial,
+        Ok(_) if outcome.warnings.is_empty() => outcome.status = Status::Ok,
+        Ok(_) => outcome.status = Status::Warned,
         Err(failure) => {
+            let late = failure.stopped && !control.was_asked_to_stop();
+            let failure = if late { Failure::late(&job.settings.goal, outcome.outputs.is_empty()) } else { failure };
             outcome.status = match (failure.stopped, outcome.outputs.is_empty()) {
-                (true, true) => Status::Skipped,
+                (true, true) if !late => Status::Skipped,
                 (true, false) => Status::Partial,
-                (false, _) => Status::Failed,
+                _ => Status::Failed,
             };
             outcome.error_code = Some(failure.code);
             outcome.error_message = Some(failure.message);
@@ -58,6 +66,9 @@ pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
     outcome
 }
 
+/// The error code of assets whose deadline came before the first picture.
+pub(super) const TOO_LATE: &str = "deadline-before-first-pass";
+
 /// Why an asset's pictures are not all there.
 pub(super) struct Failure {
     pub code: String,
@@ -68,6 +79,14 @@ pub(super) struct Failure {
 impl Failure {
     fn new(code: &str, message: impl Into<String>) -> Self {
         Self { code: code.into(), message: message.into(), stopped: false }
+    }
+
+    /// The time is up.
+    fn late(goal: &Goal, nothing: bool) -> Self {
+        let time = goal.time.unwrap_or_default();
+        let code = if nothing { TOO_LATE } else { "deadline" };
+        let what = if nothing { "not one pass was done" } else { "not all views were begun" };
+        Self { code: code.into(), message: format!("after {time} s {what}"), stopped: true }
     }
 
     pub fn of_panic(panic: &(dyn Any + Send)) -> Self {
@@ -96,24 +115,60 @@ impl From<ImportError> for Failure {
 /// A job under way.
 pub(super) struct Work<'a> {
     pub job: &'a Job,
+    /// Stops at the deadline.
     pub control: &'a Control,
     pub desk: &'a Desk<'a>,
+    pub budget: Budget,
     pub outcome: &'a mut Outcome,
 }
 
 impl Work<'_> {
-    fn run(&mut self) -> Result<(), Failure> {
+    fn run(&mut self) -> Result<Ended, Failure> {
         let (prepared, views, exposure) = self.make_ready()?;
-        for (index, view) in views.iter().enumerate() {
-            let stage = Stage::Render { view: index as u32, views: views.len() as u32 };
-            self.begin(stage);
-            let clock = StageClock::begin();
-            let rendered = render(&prepared, view, &self.job.settings.render, self.control)?;
-            self.count(&rendered, Some(index as u32));
-            self.outcome.seconds.render += clock.seconds().0;
-            self.write(&rendered, index as u32, exposure)?;
+        let mut all = Ended::Samples;
+        for index in 0..views.len() {
+            let (ended, finished) = self.render(&prepared, &views, index, exposure)?;
+            if ended == Ended::Deadline {
+                all = ended;
+            }
+            self.write(&finished, index as u32, exposure)?;
         }
-        Ok(())
+        Ok(all)
+    }
+
+    /// Renders a view, pass by pass.
+    fn render(
+        &mut self,
+        prepared: &PreparedScene,
+        views: &[View],
+        index: usize,
+        exposure: f64,
+    ) -> Result<(Ended, Finished), Failure> {
+        self.begin(Stage::Render { view: index as u32, views: views.len() as u32 });
+        let clock = StageClock::begin();
+        let settings = &self.job.settings;
+        let display = Display::new(&settings.pictures, exposure);
+        let mut progressive = Progressive::new(prepared, &views[index], &settings.render, &settings.goal, display);
+        let mut ended = progressive.step(self.control)?;
+        if ended.is_none() && index == 0 && self.budget.affords_trial() {
+            let trial = StageClock::begin();
+            let shot = Shot {
+                film: progressive.film(),
+                accuracy: progressive.accuracy(),
+                tally: progressive.tally(),
+                view: 0,
+                exposure,
+            };
+            shot.encode(self.job, self.outcome).map_err(|e| Failure::new("unwritable", e))?;
+            self.budget.learn(&trial);
+        }
+        if ended.is_none() {
+            ended = Some(progressive.run(&self.budget.of_view(self.control, views.len() - index))?);
+        }
+        let finished = progressive.finish();
+        self.count(&finished.tally, Some(index as u32));
+        self.outcome.seconds.render += clock.seconds().0;
+        Ok((ended.unwrap_or(Ended::Samples), finished))
     }
 
     /// All that comes before the pictures: the scene, its views and their exposure.
@@ -159,7 +214,8 @@ impl Work<'_> {
         (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();
         let imported = imported?;
         self.outcome.warnings = imported.warnings;
-        let content = digest::of_files(&imported.files);
+        let content = digest::of_files(&imported.files, self.control);
+        self.control.check()?;
         self.outcome.content = Some(content.map_err(|e| Failure::new("io", format!("cannot be read again: {e}")))?);
         let scene = imported.scene;
         self.outcome.scene = Some(SceneFacts {
@@ -202,7 +258,7 @@ impl Work<'_> {
         let Some(view) = views.first().filter(|_| own) else { return Ok(()) };
         let clock = StageClock::begin();
         let (dark, rendered) = exposure::is_dark(prepared, view, &settings.render, self.control)?;
-        self.count(&rendered, None);
+        self.count(&rendered.tally(), None);
         if dark {
             prepared.relight(&EnvironmentSource::Studio, &settings.prepare);
             self.outcome.light = Some("own + studio".into());
@@ -225,7 +281,7 @@ impl Work<'_> {
                 self.begin(Stage::Expose);
                 let clock = StageClock::begin();
                 let (ev, rendered) = exposure::meter(prepared, views, &settings.render, self.control)?;
-                rendered.iter().for_each(|r| self.count(r, None));
+                rendered.iter().for_each(|r| self.count(&r.tally(), None));
                 self.outcome.seconds.render += clock.seconds().0;
                 Ok(ev)
             }
@@ -233,59 +289,23 @@ impl Work<'_> {
     }
 
     /// Counts what a render took; `view`: the one whose picture it is.
-    fn count(&mut self, rendered: &Rendered, view: Option<u32>) {
-        self.outcome.cpu_seconds.render += rendered.cpu_seconds;
-        self.outcome.rays.camera += rendered.rays.camera;
-        self.outcome.rays.bounce += rendered.rays.bounce;
-        self.outcome.rays.shadow += rendered.rays.shadow;
-        self.outcome.count_dropped(&rendered.dropped, view);
+    fn count(&mut self, tally: &PassTally, view: Option<u32>) {
+        self.outcome.cpu_seconds.render += tally.cpu_seconds;
+        self.outcome.rays += tally.rays;
+        self.outcome.count_dropped(&tally.dropped, view);
     }
 
     /// Encodes and writes one view in every format.
-    fn write(&mut self, rendered: &Rendered, index: u32, exposure: f64) -> Result<(), Failure> {
+    fn write(&mut self, finished: &Finished, index: u32, exposure: f64) -> Result<(), Failure> {
         self.begin(Stage::Write);
         let clock = StageClock::begin();
-        let settings = &self.job.settings;
-        let picture = &rendered.picture;
-        let metadata = Metadata {
-            software: Metadata::software(),
-            source: self.job.input.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-            content: self.outcome.content.clone().unwrap_or_default(),
-            settings: self.outcome.settings.clone().unwrap_or_default(),
-            seed: settings.render.seed,
-            spp: rendered.spp,
-            view: index,
-        };
-        for format in &settings.pictures.formats {
-            let unwritable = |e: String| Failure::new("unwritable", e);
-            let bytes = match format {
-                PictureFormat::Png => {
-                    let p = &settings.pictures;
-                    let displayed = display::develop(picture, exposure, p.tonemap, p.background);
-                    png::encode(&displayed, p.bits, &metadata).map_err(|e| unwritable(e.to_string()))?
-                }
-                PictureFormat::Exr => exr::encode(picture, &metadata).map_err(|e| unwritable(e.to_string()))?,
-            };
-            let frame = settings.views.turntable.map(|_| index);
-            let path = self.job.output.picture(frame, *format);
-            let name = job::slashed(&path);
-            let put = self.desk.sink.put(&path, bytes);
-            put.map_err(|e| unwritable(format!("{name} cannot be written: {e}")))?;
-            self.outcome.outputs.push(OutputRecord {
-                path: name,
-                format: *format,
-                view: index,
-                width: picture.width,
-                height: picture.height,
-                spp: rendered.spp,
-                samples: u64::from(rendered.spp) * u64::from(picture.width) * u64::from(picture.height),
-                exposure,
-                error: None,
-                error_bound: None,
-                relmse: None,
-                target_met: None,
-                bias: Vec::new(),
-            });
+        let unwritable = |e: String| Failure::new("unwritable", e);
+        let Finished { film, tally, accuracy } = finished;
+        let shot = Shot { film, accuracy: *accuracy, tally, view: index, exposure };
+        for file in shot.encode(self.job, self.outcome).map_err(unwritable)? {
+            let put = self.desk.sink.put(&file.path, file.bytes);
+            put.map_err(|e| unwritable(format!("{} cannot be written: {e}", file.record.path)))?;
+            self.outcome.outputs.push(file.record);
         }
         let (wall, cpu) = clock.seconds();
         self.outcome.seconds.write += wall;

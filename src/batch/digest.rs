@@ -1,7 +1,11 @@
 use crate::settings::{EnvironmentSettings, Settings};
+use kiln_formats::Control;
 use std::fs::File;
-use std::io;
+use std::io::{self, Read};
 use std::path::PathBuf;
+
+/// Bytes hashed between two looks at the control.
+const BLOCK: usize = 1 << 20;
 
 /// `blake3:` and the hexadecimal hash of bytes.
 pub fn of_bytes(bytes: &[u8]) -> String {
@@ -11,12 +15,22 @@ pub fn of_bytes(bytes: &[u8]) -> String {
 /// `blake3:` and the hash over the hashes of these files in this order. Names do not enter.
 ///
 /// # Errors
-/// When a file cannot be read.
-pub fn of_files(files: &[PathBuf]) -> io::Result<String> {
+/// When a file cannot be read; [`io::ErrorKind::Interrupted`] when `control` asks for a stop.
+pub fn of_files(files: &[PathBuf], control: &Control) -> io::Result<String> {
     let mut all = blake3::Hasher::new();
+    let mut block = vec![0; BLOCK];
     for file in files {
         let mut one = blake3::Hasher::new();
-        one.update_reader(File::open(file)?)?;
+        let mut reader = File::open(file)?;
+        loop {
+            control.check().map_err(|stopped| io::Error::new(io::ErrorKind::Interrupted, stopped))?;
+            match reader.read(&mut block) {
+                Ok(0) => break,
+                Ok(n) => one.update(&block[..n]),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Err(error) => return Err(error),
+            };
+        }
         all.update(one.finalize().as_bytes());
     }
     Ok(format!("blake3:{}", all.finalize().to_hex()))
@@ -69,10 +83,13 @@ mod tests {
             path
         };
         let (a, b, c) = (file("a", b"one"), file("b", b"one"), file("c", b"two"));
-        let hash =
-            |files: &[&PathBuf]| of_files(&files.iter().map(|f| (*f).clone()).collect::<Vec<_>>()).expect("read");
+        let control = Control::default();
+        let paths = |files: &[&PathBuf]| files.iter().map(|f| (*f).clone()).collect::<Vec<_>>();
+        let hash = |files: &[&PathBuf]| of_files(&paths(files), &control).expect("read");
         assert_eq!(hash(&[&a, &c]), hash(&[&b, &c]));
         assert_ne!(hash(&[&a, &c]), hash(&[&a]));
         assert_ne!(hash(&[&a, &c]), hash(&[&c, &a]));
+        control.stop();
+        assert!(of_files(&paths(&[&a]), &control).is_err());
     }
 }

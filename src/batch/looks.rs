@@ -2,6 +2,8 @@
 //!
 //! Each look is a job of its own, and their outcomes become one.
 
+use super::asset::TOO_LATE;
+use super::budget::Budget;
 use super::environment::LoadedEnvironment;
 use super::stages::StageClock;
 use super::{Desk, Job, Outcome, Status, digest, run_asset_with, views};
@@ -19,7 +21,8 @@ const POINT_BUDGET: usize = 8_000_000;
 pub(super) fn run(job: &Job, control: &Control, desk: &Desk) -> Outcome {
     let clock = StageClock::begin();
     let mut outcome = Outcome::skipped(&job.name, job.settings.render.seed);
-    match plan(job, control) {
+    let budget = Budget::begin(&job.settings.goal, control, 0);
+    match plan(job, &budget.share(control, 1)) {
         Ok(jobs) => {
             // An environment file is read once.
             let environment = desk.environment.clone().or_else(|| match &job.settings.environment {
@@ -28,15 +31,18 @@ pub(super) fn run(job: &Job, control: &Control, desk: &Desk) -> Outcome {
             });
             let hash = digest::of_settings(&job.settings, environment.as_deref().map(LoadedEnvironment::digest));
             let desk = Desk { environment, ..*desk };
+            let count = jobs.len();
             for (index, mut look) in jobs.into_iter().enumerate() {
+                // Each look has an equal share of the time that is left.
+                let control = budget.share(control, count - index);
                 // One exposure for all looks: the first one's.
                 if let Some(first) = outcome.outputs.first() {
                     look.settings.pictures.exposure = Exposure::Ev(first.exposure);
                 }
-                let one = run_asset_with(&look, control, &desk);
-                let done = one.status.is_done();
+                let one = run_asset_with(&look, &control, &desk);
+                let goes_on = one.status.is_done() || one.status == Status::Partial;
                 join(&mut outcome, one, index as u32);
-                if !done {
+                if !goes_on {
                     break;
                 }
             }
@@ -44,8 +50,9 @@ pub(super) fn run(job: &Job, control: &Control, desk: &Desk) -> Outcome {
         }
         Err(error) => {
             let stopped = error.code == ErrorCode::Stopped;
-            outcome.status = if stopped { Status::Skipped } else { Status::Failed };
-            outcome.error_code = Some(error.code.as_str().into());
+            let late = stopped && !control.was_asked_to_stop();
+            outcome.status = if stopped && !late { Status::Skipped } else { Status::Failed };
+            outcome.error_code = Some(if late { TOO_LATE } else { error.code.as_str() }.into());
             outcome.error_message = Some(error.to_string());
         }
     }
@@ -204,10 +211,13 @@ fn join(all: &mut Outcome, one: Outcome, index: u32) {
             all.warnings.push(warning);
         }
     }
+    let partial = all.status == Status::Partial;
     all.status = match (one.status, all.outputs.is_empty(), all.warnings.is_empty()) {
-        (Status::Ok, _, false) => Status::Warned,
-        // Interrupted after some looks were done.
+        (Status::Ok, _, false) if !partial => Status::Warned,
+        // Interrupted, or out of time, after some looks were done.
         (Status::Skipped, false, _) => Status::Partial,
+        (Status::Failed, false, _) if one.error_code.as_deref() == Some(TOO_LATE) => Status::Partial,
+        (Status::Ok | Status::Warned, ..) if partial => Status::Partial,
         (status, ..) => status,
     };
     (all.error_code, all.error_message) = (one.error_code, one.error_message);

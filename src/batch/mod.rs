@@ -3,6 +3,7 @@
 //! Nothing here prints or exits; what happens is told to a [`Desk`] or an [`Observer`].
 
 mod asset;
+mod budget;
 mod digest;
 mod discover;
 mod environment;
@@ -12,6 +13,7 @@ mod job;
 mod looks;
 mod manifest;
 mod outcome;
+mod picture;
 mod ready;
 mod run;
 mod sink;

@@ -15,7 +15,7 @@ pub enum Status {
     Ok,
     /// Every picture is there, but something in the asset was mended or left out.
     Warned,
-    /// Stopped before every picture was there.
+    /// Stopped before every picture was there, or before it was as good as asked for.
     Partial,
     /// No picture, or not all, for the reason in the message.
     Failed,
@@ -66,9 +66,11 @@ pub struct OutputRecord {
     pub error_bound: Option<f64>,
     /// Relative mean square error in linear light; `None`: not measured.
     pub relmse: Option<f64>,
+    /// Upper 95 % bound of it; `None`: not measured.
+    pub relmse_bound: Option<f64>,
     /// Whether the error asked for was reached; `None`: none was asked for.
     pub target_met: Option<bool>,
-    /// What was asked for that changes the expected picture.
+    /// What was asked for that changes the expected picture, and by how much.
     pub bias: Vec<String>,
 }
 

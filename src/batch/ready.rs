@@ -1,7 +1,9 @@
 use super::asset::{Desk, Failure, Work};
+use super::budget::Budget;
 use super::{FileSink, Job, LoadedEnvironment, Outcome, Status};
 use crate::integrate::View;
 use crate::prepare::PreparedScene;
+use crate::settings::Goal;
 use kiln_formats::Control;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -31,7 +33,9 @@ pub fn make_ready(
     let sink = FileSink { folder: job.output.folder.clone() };
     let desk = Desk { sink: &sink, on_stage: &|_| (), environment };
     let mut outcome = Outcome::skipped(&job.name, job.settings.render.seed);
-    let work = AssertUnwindSafe(|| Work { job, control, desk: &desk, outcome: &mut outcome }.make_ready());
+    // Who asks for this decides about time.
+    let budget = Budget::begin(&Goal::default(), control, 0);
+    let work = AssertUnwindSafe(|| Work { job, control, desk: &desk, budget, outcome: &mut outcome }.make_ready());
     match catch_unwind(work).unwrap_or_else(|panic| Err(Failure::of_panic(&*panic))) {
         Ok((scene, views, exposure)) => Ok(Ready { scene, views, exposure, outcome }),
         Err(failure) => {

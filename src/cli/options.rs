@@ -3,8 +3,9 @@ use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::settings::{
-    Background, BitDepth, CameraChoice, EnvironmentSettings, Exposure, KdTreeBuilder, PictureFormat, PictureSettings,
-    PrepareSettings, RenderSettings, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
+    Background, BitDepth, CameraChoice, EnvironmentSettings, Exposure, Goal, KdTreeBuilder, MOST_SPP, PictureFormat,
+    PictureSettings, PrepareSettings, Preset, RenderSettings, SamplerKind, Settings, SimdTier, Strategy, ToneMap,
+    UpChoice, ViewSettings,
 };
 use std::path::PathBuf;
 
@@ -49,9 +50,21 @@ pub struct SettingOptions {
     #[command(flatten)]
     looks: LookOptions,
 
-    /// Camera paths per pixel
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = value_parser!(u32).range(1..=1 << 24), help_heading = "Sampling")]
-    spp: u32,
+    /// Camera paths per pixel, at most [default: 64; 65536 where --error or --time ends the render]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1 << 24), help_heading = "Quality")]
+    spp: Option<u32>,
+    /// Stop when the displayed picture is within E levels (of 255, RMS) of the converged one, with 95 % confidence
+    #[arg(long, value_name = "E", value_parser = positive, help_heading = "Quality")]
+    error: Option<f64>,
+    /// Stop after so many seconds for the whole asset, reading and writing included; the picture counts as partial
+    #[arg(long, value_name = "SECONDS", value_parser = positive, help_heading = "Quality")]
+    time: Option<f64>,
+    /// Error and samples at most by name; --error and --spp still count
+    #[arg(long, value_enum, help_heading = "Quality")]
+    preset: Option<Preset>,
+    /// Cut off each channel of a sample's light here: fewer fireflies, but light is lost [default: never]
+    #[arg(long, value_name = "RADIANCE", value_parser = positive, help_heading = "Quality")]
+    clamp: Option<f64>,
     /// Selects the random numbers
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Sampling")]
     seed: u64,
@@ -99,6 +112,11 @@ pub struct SettingOptions {
     pub json: bool,
 }
 
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
+    number.ok_or_else(|| format!("'{text}' is not a number greater than 0"))
+}
+
 fn radius(text: &str) -> Result<f64, String> {
     let radius = text.parse::<f64>().ok().filter(|r| r.is_finite() && *r > 0.0);
     radius.ok_or_else(|| format!("'{text}' is not a radius: a number greater than 0"))
@@ -116,6 +134,7 @@ impl SettingOptions {
         let width = self.width.or_else(|| of_file(|f| f.size.0)).unwrap_or(views.width);
         let height = self.height.or_else(|| of_file(|f| f.size.1)).unwrap_or(width);
         let render = RenderSettings::default();
+        let (goal, spp) = self.goal();
         formats.sort_unstable();
         formats.dedup();
         let environment = self.env.clone().or_else(|| file.as_ref().map(|f| f.environment.clone()));
@@ -138,14 +157,15 @@ impl SettingOptions {
                 simd: self.simd,
             },
             render: RenderSettings {
-                spp: self.spp,
+                spp,
                 seed: self.seed,
                 max_depth: self.max_depth.or_else(|| of_file(|f| f.max_depth)).unwrap_or(render.max_depth),
                 strategy: self.strategy,
                 light_samples: self.light_samples,
                 sampler: self.sampler,
-                clamp: None,
+                clamp: self.clamp.map(|c| c as f32),
             },
+            goal,
             pictures: PictureSettings {
                 tonemap: self.tonemap,
                 exposure: self.exposure,
@@ -154,6 +174,14 @@ impl SettingOptions {
                 formats,
             },
         })
+    }
+
+    /// When pictures are good enough, and the most camera paths per pixel.
+    fn goal(&self) -> (Goal, u32) {
+        let (preset, most) = self.preset.map(Preset::goal).unzip();
+        let goal = Goal { error: self.error.or(preset.unwrap_or_default().error), time: self.time };
+        let endless = if goal == Goal::default() { RenderSettings::default().spp } else { MOST_SPP };
+        (goal, self.spp.or(most).unwrap_or(endless))
     }
 
     /// Whether the pictures are turntables.

@@ -42,6 +42,22 @@ impl PixelSums {
         })
     }
 
+    /// Variance of [`Self::mean`]'s first three channels with `spp` ≥ 2 samples, from the spread of the replicates. Replicates
+    /// with fewer samples weigh less.
+    pub fn variance(&self, spp: u32) -> [f64; 3] {
+        let mean = self.mean(spp);
+        let filled = spp.min(REPLICATES);
+        let mut sums = [0.0; 3];
+        for r in 0..filled {
+            let n = f64::from(replicate_samples(spp, r));
+            for c in 0..3 {
+                let off = self.sums[r as usize][c] / n - mean[c];
+                sums[c] += n * off * off;
+            }
+        }
+        sums.map(|s| s / (f64::from(filled) - 1.0) / f64::from(spp))
+    }
+
     /// Sums of the replicates, all of them.
     pub fn replicate_sums(&self) -> &[[f64; 4]; REPLICATES as usize] {
         &self.sums
@@ -85,6 +101,28 @@ impl Film {
     }
 }
 
+/// What the samples of each pixel say about its noise, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Variance of the pixel's linear, premultiplied red, green and blue, estimated from its replicates; `None` where there
+    /// are not two replicates.
+    pub variance: Option<Vec<[f32; 3]>>,
+    /// Samples in each pixel.
+    pub samples: Vec<u32>,
+}
+
+impl Film {
+    /// The noise of [`Self::picture`].
+    pub fn noise(&self) -> Noise {
+        let variance = |p: &PixelSums| p.variance(self.spp).map(|v| v as f32);
+        let known = self.spp >= 2;
+        Noise {
+            variance: known.then(|| self.pixels.iter().map(variance).collect()),
+            samples: vec![self.spp; self.pixels.len()],
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,6 +136,17 @@ mod tests {
         assert_eq!(means, [2.0, 3.0, 2.0, 3.0]);
         assert_eq!(pixel.replicate_means(2).count(), 2);
         assert_eq!([0, 1, 2, 3].map(|r| replicate_samples(6, r)), [2, 2, 1, 1]);
+    }
+
+    #[test]
+    fn variance_is_that_of_the_mean() {
+        let mut pixel = PixelSums::default();
+        (0..8).for_each(|s| pixel.add(s, [s as f32, 3.0, -(s as f32), 1.0]));
+        // Replicate means 2, 3, 4, 5: their variance is 5/3, that of the mean of four a quarter of it.
+        let [a, b, c] = pixel.variance(8);
+        assert!((a - 5.0 / 12.0).abs() < 1e-12 && b == 0.0 && (c - a).abs() < 1e-12);
+        let film = Film { width: 1, height: 1, spp: 1, opaque: false, pixels: vec![pixel] };
+        assert_eq!(film.noise(), Noise { variance: None, samples: vec![1] });
     }
 
     #[test]

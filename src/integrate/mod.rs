@@ -76,6 +76,14 @@ pub struct Rendered {
     pub cpu_seconds: f64,
 }
 
+impl Rendered {
+    /// What it cost.
+    pub fn tally(&self) -> PassTally {
+        let Self { rays, nonfinite, dropped, cpu_seconds, .. } = *self;
+        PassTally { rays, nonfinite, dropped, cpu_seconds, clamped: 0.0 }
+    }
+}
+
 /// Renders all samples of a view in one pass, on the current rayon pool. The progress counts camera paths.
 ///
 /// # Errors

@@ -23,28 +23,45 @@ pub struct DisplayPicture {
 /// whatever lies behind it later. A coloured background is laid under in linear light after tone mapping: it comes
 /// out as exactly the colour that was asked for.
 pub fn develop(picture: &Picture, exposure_ev: f64, operator: ToneMap, background: Background) -> DisplayPicture {
-    let scale = libm::exp2(exposure_ev) as f32;
-    let under = match background {
-        Background::Color(rgb) => Some(rgb.map(|c| srgb::decode(f32::from(c) / 255.0))),
-        Background::Transparent | Background::Environment => None,
-    };
-    let develop_pixel = |&[r, g, b, alpha]: &[f32; 4]| {
+    let developer = Developer::new(exposure_ev, operator, background);
+    DisplayPicture {
+        width: picture.width,
+        height: picture.height,
+        opaque: background != Background::Transparent,
+        pixels: picture.pixels.iter().map(|pixel| developer.develop(*pixel)).collect(),
+    }
+}
+
+/// Develops one pixel at a time, as [`develop`] does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Developer {
+    scale: f32,
+    operator: ToneMap,
+    under: Option<[f32; 3]>,
+}
+
+impl Developer {
+    /// For an exposure in EV.
+    pub fn new(exposure_ev: f64, operator: ToneMap, background: Background) -> Self {
+        let under = match background {
+            Background::Color(rgb) => Some(rgb.map(|c| srgb::decode(f32::from(c) / 255.0))),
+            Background::Transparent | Background::Environment => None,
+        };
+        Self { scale: libm::exp2(exposure_ev) as f32, operator, under }
+    }
+
+    /// Encoded sRGB with straight alpha of a linear pixel with premultiplied alpha.
+    pub fn develop(&self, [r, g, b, alpha]: [f32; 4]) -> [f32; 4] {
         let alpha = alpha.max(0.0).min(1.0);
-        let straight = if alpha > 0.0 { [r, g, b].map(|c| c / alpha * scale) } else { [0.0; 3] };
-        let shown = tonemap::apply(operator, straight);
-        let (shown, alpha) = match under {
+        let straight = if alpha > 0.0 { [r, g, b].map(|c| c / alpha * self.scale) } else { [0.0; 3] };
+        let shown = tonemap::apply(self.operator, straight);
+        let (shown, alpha) = match self.under {
             Some(under) => (std::array::from_fn(|i| shown[i] * alpha + under[i] * (1.0 - alpha)), 1.0),
             None => (shown, alpha),
         };
         let [r, g, b] = shown.map(srgb::encode);
         // What nobody sees is black, not the colour that the tone map gives to nothing.
         if alpha > 0.0 { [r, g, b, alpha] } else { [0.0; 4] }
-    };
-    DisplayPicture {
-        width: picture.width,
-        height: picture.height,
-        opaque: background != Background::Transparent,
-        pixels: picture.pixels.iter().map(develop_pixel).collect(),
     }
 }
 

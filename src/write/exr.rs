@@ -1,7 +1,7 @@
 //! OpenEXR files: linear Rec. 709 radiance, 32-bit float, premultiplied by the coverage in A.
 
 use super::Metadata;
-use crate::film::Picture;
+use crate::film::{Noise, Picture};
 use ::exr::error::Error;
 use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::*;
@@ -13,11 +13,42 @@ use std::io::Cursor;
 /// # Errors
 /// When the picture is too large for the format.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> std::result::Result<Vec<u8>, Error> {
-    let (width, height) = (picture.width as usize, picture.height as usize);
-    let at = |position: Vec2<usize>| {
-        let [r, g, b, a] = picture.pixels[position.y() * width + position.x()];
-        (r, g, b, a)
+    encode_channels(picture, beauty(picture), metadata)
+}
+
+/// As [`encode`], with the layers `variance` (R, G, B, float: of the linear premultiplied pixel; left out where it is not
+/// known) and `samples` (one channel, unsigned integers) beside the beauty.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_with_noise(picture: &Picture, noise: &Noise, metadata: &Metadata) -> std::result::Result<Vec<u8>, Error> {
+    let mut channels = beauty(picture);
+    if let Some(variance) = &noise.variance {
+        for (c, name) in ["variance.R", "variance.G", "variance.B"].into_iter().enumerate() {
+            let values = variance.iter().map(|v| v[c]).collect();
+            channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
+        }
+    }
+    // Numbers, not light: nothing is to be applied to them.
+    let mut samples = AnyChannel::new("samples", FlatSamples::U32(noise.samples.clone()));
+    samples.quantize_linearly = true;
+    channels.push(samples);
+    encode_channels(picture, channels, metadata)
+}
+
+fn beauty(picture: &Picture) -> SmallVec<[AnyChannel<FlatSamples>; 4]> {
+    let channel = |(c, name): (usize, &str)| {
+        AnyChannel::new(name, FlatSamples::F32(picture.pixels.iter().map(|p| p[c]).collect()))
     };
+    ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect()
+}
+
+fn encode_channels(
+    picture: &Picture,
+    channels: SmallVec<[AnyChannel<FlatSamples>; 4]>,
+    metadata: &Metadata,
+) -> std::result::Result<Vec<u8>, Error> {
+    let size = (picture.width as usize, picture.height as usize);
     let attributes = LayerAttributes {
         software_name: Text::new_or_none(&metadata.software),
         // One JSON text: the crate writes a map of attributes in random order, which would vary the bytes.
@@ -26,7 +57,7 @@ pub fn encode(picture: &Picture, metadata: &Metadata) -> std::result::Result<Vec
     };
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-    let layer = Layer::new((width, height), attributes, encoding, SpecificChannels::rgba(at));
+    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels));
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = Some(REC_709);
     let mut bytes = Cursor::new(Vec::new());
@@ -91,6 +122,7 @@ mod tests {
             seed: 7,
             spp: 64,
             view: 3,
+            stated: None,
         }
     }
 
@@ -122,6 +154,32 @@ mod tests {
         let comments = header.own_attributes.comments.as_ref().expect("comments").to_string();
         let json: serde_json::Value = serde_json::from_str(&comments).expect("JSON");
         assert_eq!((json["spp"].as_u64(), json["view"].as_u64()), (Some(64), Some(3)));
+    }
+
+    #[test]
+    fn noise_has_layers_of_its_own() {
+        let n = 37 * 29;
+        let variance: Vec<[f32; 3]> = (0..n).map(|i| [i as f32, 1e-9 * i as f32, 0.5]).collect();
+        let noise = Noise { variance: Some(variance.clone()), samples: vec![48; n] };
+        let bytes = encode_with_noise(&picture(), &noise, &metadata("a.glb")).expect("a small picture");
+        assert_eq!(bytes, encode_with_noise(&picture(), &noise, &metadata("b.glb")).expect("again"));
+        assert_eq!(decode(&bytes, 1 << 20).expect("our own file"), picture(), "the beauty is found among the layers");
+        let image = read_first_flat_layer_from_buffered(&bytes);
+        let channel = |name: &str| {
+            let found = image.list.iter().find(|c| c.name.to_string() == name);
+            found.unwrap_or_else(|| panic!("no channel {name}")).sample_data.clone()
+        };
+        assert_eq!(channel("samples"), FlatSamples::U32(noise.samples));
+        assert_eq!(channel("variance.G"), FlatSamples::F32(variance.iter().map(|v| v[1]).collect()));
+        let unknown = Noise { variance: None, samples: vec![1; n] };
+        let bytes = encode_with_noise(&picture(), &unknown, &metadata("a.glb")).expect("a small picture");
+        assert_eq!(read_first_flat_layer_from_buffered(&bytes).list.len(), 5);
+    }
+
+    fn read_first_flat_layer_from_buffered(bytes: &[u8]) -> AnyChannels<FlatSamples> {
+        let reader =
+            read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+        reader.from_buffered(Cursor::new(bytes)).expect("our own file").layer_data.channel_data
     }
 
     #[test]

@@ -1,5 +1,18 @@
 use serde::Serialize;
 
+/// A picture's error, as in the manifest: [`crate::accuracy::Accuracy`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StatedError {
+    /// RMS error as displayed, 0–255 levels.
+    pub error: f64,
+    /// Upper 95 % bound of it.
+    pub error_bound: f64,
+    /// Relative mean square error in linear light.
+    pub relmse: f64,
+    /// Upper 95 % bound of it.
+    pub relmse_bound: f64,
+}
+
 /// What a picture file says about itself. Nothing in it varies from run to run: no times, thread counts or dates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Metadata {
@@ -18,6 +31,9 @@ pub struct Metadata {
     pub spp: u32,
     /// Which of the asset's views, from 0.
     pub view: u32,
+    /// Its error; `None`: not known.
+    #[serde(flatten)]
+    pub stated: Option<StatedError>,
 }
 
 impl Metadata {
@@ -27,8 +43,8 @@ impl Metadata {
     }
 
     /// Keyword and text of each entry, in a fixed order, keywords as PNG registers them where it does.
-    pub fn entries(&self) -> [(&'static str, String); 7] {
-        [
+    pub fn entries(&self) -> Vec<(&'static str, String)> {
+        let mut entries = vec![
             ("Software", self.software.clone()),
             ("Source", self.source.clone()),
             ("kiln:content", self.content.clone()),
@@ -36,6 +52,15 @@ impl Metadata {
             ("kiln:seed", self.seed.to_string()),
             ("kiln:spp", self.spp.to_string()),
             ("kiln:view", self.view.to_string()),
-        ]
+        ];
+        if let Some(stated) = &self.stated {
+            entries.extend([
+                ("kiln:error", stated.error.to_string()),
+                ("kiln:error_bound", stated.error_bound.to_string()),
+                ("kiln:relmse", stated.relmse.to_string()),
+                ("kiln:relmse_bound", stated.relmse_bound.to_string()),
+            ]);
+        }
+        entries
     }
 }

@@ -8,4 +8,4 @@ pub mod png;
 pub mod srgb;
 pub mod tonemap;
 
-pub use metadata::Metadata;
+pub use metadata::{Metadata, StatedError};

@@ -66,6 +66,7 @@ mod tests {
             seed: 7,
             spp: 64,
             view: 0,
+            stated: None,
         }
     }
 

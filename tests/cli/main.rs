@@ -8,6 +8,7 @@ mod determinism;
 mod inspect;
 mod interrupt;
 mod looks;
+mod quality;
 mod render;
 mod support;
 mod views;

@@ -1,0 +1,120 @@
+use kiln::accuracy::{Accuracy, CONFIDENCE, Display, Progressive};
+use kiln::film::Film;
+use kiln::integrate::View;
+use kiln::prepare::PreparedScene;
+use kiln::settings::{Goal, PictureSettings, RenderSettings};
+use kiln::{Control, Stopped};
+
+/// The errors that are asked for.
+pub const TARGETS: [f64; 3] = [8.0, 4.0, 2.0];
+/// Samples per pixel at which every render is looked at.
+pub const FIXED: [u32; 2] = [16, 64];
+
+/// A picture of one seed, with what it states and what is true.
+pub struct Row {
+    pub asset: String,
+    /// `error 4` or `spp 64`.
+    pub way: String,
+    pub seed: u64,
+    pub spp: u32,
+    pub stated: Accuracy,
+    /// RMS error as displayed.
+    pub error: f64,
+    pub relmse: f64,
+}
+
+struct Look {
+    way: String,
+    spp: u32,
+    stated: Accuracy,
+    means: Vec<[f64; 4]>,
+}
+
+struct Seed {
+    looks: Vec<Look>,
+    spp: u32,
+    /// Mean of all samples, and the error that it states.
+    means: Vec<[f64; 4]>,
+    last: Accuracy,
+}
+
+fn means(film: &Film) -> Vec<[f64; 4]> {
+    film.pixels.iter().map(|p| p.mean(film.spp)).collect()
+}
+
+fn render(scene: &PreparedScene, view: &View, seed: u64, most: u32, display: Display) -> Result<Option<Seed>, Stopped> {
+    let settings = RenderSettings { seed, spp: most, ..RenderSettings::default() };
+    // Never reached: the render goes on through all the targets.
+    let goal = Goal { error: Some(1e-9), time: None };
+    let mut progressive = Progressive::new(scene, view, &settings, &goal, display);
+    let mut looks: Vec<Look> = Vec::new();
+    let mut targets = TARGETS.iter().peekable();
+    loop {
+        let ended = progressive.step(&Control::default())?;
+        let (film, Some(judged)) = (progressive.film(), progressive.accuracy()) else { return Ok(None) };
+        let mut look = |way: String, stated| looks.push(Look { way, spp: film.spp, stated, means: means(film) });
+        while let Some(target) = targets.next_if(|t| judged.error_bound <= **t) {
+            look(format!("error {target}"), judged);
+        }
+        if FIXED.contains(&film.spp) {
+            let stated = Accuracy::of(film, &display, CONFIDENCE);
+            stated.into_iter().for_each(|stated| look(format!("spp {}", film.spp), stated));
+        }
+        let enough = targets.peek().is_none() && film.spp >= FIXED[1];
+        if ended.is_some() || enough {
+            return Ok(Some(Seed { looks, spp: film.spp, means: means(film), last: judged }));
+        }
+    }
+}
+
+/// All looks at renders with the seeds from 1.
+pub fn run(asset: &str, scene: &PreparedScene, view: &View, seeds: u64, most: u32) -> Result<Vec<Row>, Stopped> {
+    let display = Display::new(&PictureSettings::default(), 0.0);
+    let mut rendered = Vec::new();
+    for seed in 1..=seeds {
+        rendered.extend(render(scene, view, seed, most, display)?);
+    }
+    let samples: f64 = rendered.iter().map(|s| f64::from(s.spp)).sum();
+    let pixels = rendered.first().map_or(0, |s| s.means.len());
+    let sum = |p: usize, c: usize| rendered.iter().map(|s| s.means[p][c] * f64::from(s.spp)).sum::<f64>();
+    let sums: Vec<[f64; 4]> = (0..pixels).map(|p| std::array::from_fn(|c| sum(p, c))).collect();
+    // Squared errors fall at least as fast as the number of samples; replicates of all seeds are independent.
+    let noise = |get: fn(&Accuracy) -> f64| {
+        let n = rendered.len() as f64;
+        rendered.iter().map(|s| get(&s.last)).sum::<f64>() / n / (n - 1.0)
+    };
+    let (noise_error, noise_relmse) = (noise(|a| a.error * a.error), noise(|a| a.relmse));
+    let mut rows = Vec::new();
+    for (seed, own) in (1..).zip(&rendered) {
+        let n = f64::from(own.spp);
+        let other = |p: usize| std::array::from_fn(|c| (sums[p][c] - own.means[p][c] * n) / (samples - n));
+        let converged: Vec<[f64; 4]> = (0..pixels).map(other).collect();
+        for look in &own.looks {
+            let (square, relative) = difference(&look.means, &converged, &display);
+            rows.push(Row {
+                asset: asset.into(),
+                way: look.way.clone(),
+                seed,
+                spp: look.spp,
+                stated: look.stated,
+                error: (square - noise_error).max(0.0).sqrt(),
+                relmse: (relative - noise_relmse).max(0.0),
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// Mean squared difference as displayed, and relMSE, over the pixels that either covers.
+fn difference(a: &[[f64; 4]], converged: &[[f64; 4]], display: &Display) -> (f64, f64) {
+    let (mut square, mut relative, mut count) = (0.0, 0.0, 0.0);
+    for (x, mu) in a.iter().zip(converged).filter(|(x, mu)| x[3] > 0.0 || mu[3] > 0.0) {
+        let (shown, wanted) = (display.levels(x.map(|v| v as f32)), display.levels(mu.map(|v| v as f32)));
+        count += 3.0;
+        for c in 0..3 {
+            square += (shown[c] - wanted[c]).powi(2);
+            relative += (x[c] - mu[c]).powi(2) / (mu[c] * mu[c] + 0.01);
+        }
+    }
+    (square / f64::max(count, 1.0), relative / f64::max(count, 1.0))
+}

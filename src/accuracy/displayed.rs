@@ -1,0 +1,34 @@
+use super::jackknife::LeaveOneOut;
+use crate::settings::PictureSettings;
+use crate::write::display::Developer;
+
+/// How a picture is displayed: the exposure and the tone curve at which errors are measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Display {
+    developer: Developer,
+}
+
+impl Display {
+    /// At an exposure in EV.
+    pub fn new(settings: &PictureSettings, exposure_ev: f64) -> Self {
+        Self { developer: Developer::new(exposure_ev, settings.tonemap, settings.background) }
+    }
+
+    /// The displayed levels, 0–255 before rounding, of a linear premultiplied RGBA pixel; a transparent one on black.
+    pub fn levels(&self, pixel: [f32; 4]) -> [f64; 3] {
+        let [r, g, b, alpha] = self.developer.develop(pixel).map(f64::from);
+        [r, g, b].map(|c| 255.0 * c * alpha)
+    }
+}
+
+/// The estimated square of a pixel's displayed error, mean of its channels.
+pub(super) fn square_error(parts: &LeaveOneOut, display: &Display, opaque: bool) -> f64 {
+    let levels = |[r, g, b, a]: &[f64; 4]| {
+        display.levels([*r as f32, *g as f32, *b as f32, if opaque { 1.0 } else { *a as f32 }])
+    };
+    let whole = levels(&parts.mean);
+    parts.sum(|without| {
+        let shown = levels(without);
+        (0..3).map(|c| (shown[c] - whole[c]) * (shown[c] - whole[c])).sum::<f64>() / 3.0
+    })
+}

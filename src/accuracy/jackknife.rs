@@ -1,0 +1,66 @@
+use super::{Display, Spread, displayed, relmse};
+use crate::film::{Film, PixelSums, replicate_samples};
+use crate::sampling::REPLICATES;
+use rayon::prelude::*;
+
+/// The most replicates.
+const MOST: usize = REPLICATES as usize;
+
+/// A pixel's mean, and what it would be without one replicate after the other.
+pub(super) struct LeaveOneOut {
+    /// Mean of all samples: linear, premultiplied RGB and the asset's coverage.
+    pub mean: [f64; 4],
+    without: [[f64; 4]; MOST],
+    weights: [f64; MOST],
+    count: usize,
+}
+
+impl LeaveOneOut {
+    /// Of a pixel with `spp` ≥ 2 samples.
+    pub fn of(pixel: &PixelSums, spp: u32) -> Self {
+        let sums = pixel.replicate_sums();
+        let total: [f64; 4] = std::array::from_fn(|c| sums.iter().map(|s| s[c]).sum());
+        let n = f64::from(spp);
+        let mut result = Self { mean: total.map(|t| t / n), without: [[0.0; 4]; MOST], weights: [0.0; MOST], count: 0 };
+        let filled = spp.min(REPLICATES);
+        for r in 0..filled {
+            let own = f64::from(replicate_samples(spp, r));
+            let k = r as usize;
+            result.without[k] = std::array::from_fn(|c| (total[c] - sums[k][c]) / (n - own));
+            // The jackknife of groups of unequal size (Busing, Meijer & van der Leeden 1999), about the whole picture instead
+            // of the mean of the parts: so it has the curve's bias in it.
+            result.weights[k] = (n / own - 1.0) / f64::from(filled);
+        }
+        result.count = filled as usize;
+        result
+    }
+
+    /// Σ weight · `square`(picture without a replicate): the estimate of the expected square of (picture − converged) where
+    /// `square` measures (picture without a replicate − picture)².
+    pub fn sum(&self, mut square: impl FnMut(&[f64; 4]) -> f64) -> f64 {
+        (0..self.count).map(|k| self.weights[k] * square(&self.without[k])).sum()
+    }
+}
+
+/// The spreads of the displayed error and of relMSE over the pixels that the asset covers. Sums have a fixed order.
+pub(super) fn spreads(film: &Film, display: &Display) -> [Spread; 2] {
+    let rows: Vec<[Spread; 2]> = film
+        .pixels
+        .par_chunks(film.width.max(1) as usize)
+        .map(|row| {
+            let mut spreads = [Spread::default(); 2];
+            for pixel in row {
+                let parts = LeaveOneOut::of(pixel, film.spp);
+                if parts.mean[3] > 0.0 {
+                    spreads[0].add(displayed::square_error(&parts, display, film.opaque));
+                    spreads[1].add(relmse::square_error(&parts));
+                }
+            }
+            spreads
+        })
+        .collect();
+    rows.into_iter().fold([Spread::default(); 2], |mut all, row| {
+        all.iter_mut().zip(row).for_each(|(a, r)| *a += r);
+        all
+    })
+}

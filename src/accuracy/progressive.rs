@@ -1,0 +1,183 @@
+use super::{Accuracy, CONFIDENCE, Display, Schedule};
+use crate::film::Film;
+use crate::integrate::{PassTally, View, render_pass};
+use crate::prepare::PreparedScene;
+use crate::sampling::REPLICATES;
+use crate::settings::{Goal, RenderSettings};
+use kiln_formats::{Control, Stopped};
+use std::f64::consts::PI;
+use std::time::{Duration, Instant};
+
+/// Why a render is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// All samples were taken.
+    Samples,
+    /// The bound of the error is at or below the one asked for.
+    Error,
+    /// The time is up.
+    Deadline,
+}
+
+/// A render under way, pass by pass.
+///
+/// After each pass the film is a whole picture. Which pass is the last follows from the scene, the settings and the seed
+/// alone, unless a deadline decides it.
+pub struct Progressive<'a> {
+    scene: &'a PreparedScene,
+    view: &'a View,
+    settings: &'a RenderSettings,
+    goal: &'a Goal,
+    display: Display,
+    schedule: Schedule,
+    film: Film,
+    tally: PassTally,
+    /// Times that the error was judged.
+    looks: u32,
+    accuracy: Option<Accuracy>,
+    /// Wall seconds per sample of every pixel in the last pass.
+    pace: f64,
+}
+
+/// What a render gives.
+#[derive(Clone, Debug)]
+pub struct Finished {
+    /// The sums behind the picture.
+    pub film: Film,
+    /// Rays, dropped samples and CPU seconds.
+    pub tally: PassTally,
+    /// Its error; `None` with one sample per pixel.
+    pub accuracy: Option<Accuracy>,
+}
+
+impl<'a> Progressive<'a> {
+    /// Before the first pass. At most `settings.spp` samples per pixel are taken.
+    pub fn new(
+        scene: &'a PreparedScene,
+        view: &'a View,
+        settings: &'a RenderSettings,
+        goal: &'a Goal,
+        display: Display,
+    ) -> Self {
+        Self {
+            scene,
+            view,
+            settings,
+            goal,
+            display,
+            schedule: Schedule::new(goal, settings.spp),
+            film: Film::new(view.width, view.height, view.show_environment),
+            tally: PassTally::default(),
+            looks: 0,
+            accuracy: None,
+            pace: 0.0,
+        }
+    }
+
+    /// Does passes until the goal, the last sample or the deadline of `control` is reached. At least one pass must have been
+    /// done by then.
+    ///
+    /// # Errors
+    /// [`Stopped`] when `control` asks for it, or its deadline has passed before the first pass was done.
+    pub fn run(&mut self, control: &Control) -> Result<Ended, Stopped> {
+        loop {
+            if let Some(ended) = self.step(control)? {
+                return Ok(ended);
+            }
+        }
+    }
+
+    /// Does one pass and gives why there is no further one, if so.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn step(&mut self, control: &Control) -> Result<Option<Ended>, Stopped> {
+        let spp = self.film.spp;
+        let Some(next) = self.schedule.after(spp) else { return Ok(Some(Ended::Samples)) };
+        let begun = spp > 0;
+        if begun && !self.fits(next, control) {
+            return Ok(Some(Ended::Deadline));
+        }
+        self.announce(control);
+        let clock = Instant::now();
+        match render_pass(self.scene, self.view, self.settings, &mut self.film, spp..next, control) {
+            Ok(tally) => self.tally += tally,
+            Err(Stopped) if begun && !control.was_asked_to_stop() => return Ok(Some(Ended::Deadline)),
+            Err(Stopped) => return Err(Stopped),
+        }
+        self.pace = clock.elapsed().as_secs_f64() / f64::from(next - spp);
+        if self.look() {
+            return Ok(Some(Ended::Error));
+        }
+        Ok(self.schedule.after(next).is_none().then_some(Ended::Samples))
+    }
+
+    /// The film so far.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// What it has cost so far.
+    pub fn tally(&self) -> &PassTally {
+        &self.tally
+    }
+
+    /// The error of the film as it is.
+    pub fn accuracy(&self) -> Option<Accuracy> {
+        Accuracy::of(&self.film, &self.display, self.confidence())
+    }
+
+    /// The film with its error.
+    pub fn finish(self) -> Finished {
+        let accuracy = self.accuracy.or_else(|| self.accuracy());
+        Finished { film: self.film, tally: self.tally, accuracy }
+    }
+
+    /// Whether a pass would probably be done by the deadline.
+    fn fits(&self, next: u32, control: &Control) -> bool {
+        let Some(deadline) = control.deadline() else { return true };
+        // Passes of one sample are too short to foretell anything by.
+        let predicted = if self.film.spp < 4 { 0.0 } else { self.pace * f64::from(next - self.film.spp) };
+        Instant::now() + Duration::from_secs_f64(predicted / OPTIMISM) < deadline
+    }
+
+    /// Judges the error where one was asked for, and gives whether it is small enough.
+    fn look(&mut self) -> bool {
+        let Some(target) = self.goal.error else { return false };
+        self.accuracy = None;
+        if self.film.spp < super::schedule::FIRST_LOOK || !self.film.spp.is_multiple_of(REPLICATES) {
+            return false;
+        }
+        self.looks += 1;
+        self.accuracy = self.accuracy();
+        self.accuracy.is_some_and(|a| a.error_bound <= target)
+    }
+
+    /// The confidence of the bound after this many looks.
+    ///
+    /// Who looks until a bound is low enough picks the lucky ones. So the 5 % by which bounds may fail are shared out
+    /// over all looks that there can be, look k taking 6 / (π k)² of them (Σ 1/k² = π²/6): however often one has looked, the
+    /// bound at which the render stops fails in at most 5 % of the renders.
+    fn confidence(&self) -> f64 {
+        if self.goal.error.is_none() {
+            return CONFIDENCE;
+        }
+        let k = f64::from(self.looks.max(1));
+        1.0 - (1.0 - CONFIDENCE) * 6.0 / (PI * PI * k * k)
+    }
+
+    /// Tells the progress how many camera paths there will be, as far as one can know.
+    fn announce(&self, control: &Control) {
+        let spp = f64::from(self.film.spp);
+        let foretold = match (self.goal.error, self.accuracy) {
+            // The error falls with the root of the samples, or faster.
+            (Some(target), Some(a)) => spp * (a.error_bound / target) * (a.error_bound / target),
+            _ => f64::from(self.settings.spp),
+        };
+        let pixels = f64::from(self.view.width) * f64::from(self.view.height);
+        control.begin_at((spp * pixels) as u64, (foretold.min(f64::from(self.settings.spp)) * pixels) as u64);
+    }
+}
+
+/// How much faster than the last pass the next one may turn out to be.
+const OPTIMISM: f64 = 1.3;

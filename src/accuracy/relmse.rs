@@ -1,0 +1,18 @@
+use super::jackknife::LeaveOneOut;
+
+/// Keeps black pixels from weighing without bound.
+const EPSILON: f64 = 0.01;
+
+/// The estimated relative square error of a pixel in linear light, mean of its channels.
+///
+/// Each replicate's deviation is measured by what the others show, not by a mean that it is part of: a firefly would
+/// excuse itself.
+pub(super) fn square_error(parts: &LeaveOneOut) -> f64 {
+    parts.sum(|without| {
+        let channel = |c: usize| {
+            let deviation = without[c] - parts.mean[c];
+            deviation * deviation / (without[c] * without[c] + EPSILON)
+        };
+        (0..3).map(channel).sum::<f64>() / 3.0
+    })
+}

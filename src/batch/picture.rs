@@ -1,0 +1,101 @@
+use super::{Job, Outcome, OutputRecord, job};
+use crate::accuracy::Accuracy;
+use crate::film::Film;
+use crate::integrate::PassTally;
+use crate::settings::PictureFormat;
+use crate::write::{Metadata, StatedError, display, exr, png};
+use std::path::PathBuf;
+
+/// A view that is rendered, ready to become files.
+pub(super) struct Shot<'a> {
+    pub film: &'a Film,
+    pub accuracy: Option<Accuracy>,
+    pub tally: &'a PassTally,
+    /// Which of the asset's views, from 0.
+    pub view: u32,
+    /// EV.
+    pub exposure: f64,
+}
+
+/// A file to be written.
+pub(super) struct Encoded {
+    pub path: PathBuf,
+    pub bytes: Vec<u8>,
+    pub record: OutputRecord,
+}
+
+impl Shot<'_> {
+    /// The view in every format that is asked for.
+    ///
+    /// # Errors
+    /// A sentence.
+    pub fn encode(&self, job: &Job, outcome: &Outcome) -> Result<Vec<Encoded>, String> {
+        job.settings.pictures.formats.iter().map(|format| self.encode_as(*format, job, outcome)).collect()
+    }
+
+    fn encode_as(&self, format: PictureFormat, job: &Job, outcome: &Outcome) -> Result<Encoded, String> {
+        let settings = &job.settings;
+        let metadata = self.metadata(job, outcome);
+        let picture = self.film.picture();
+        let bytes = match format {
+            PictureFormat::Png => {
+                let p = &settings.pictures;
+                let displayed = display::develop(&picture, self.exposure, p.tonemap, p.background);
+                png::encode(&displayed, p.bits, &metadata).map_err(|e| e.to_string())?
+            }
+            PictureFormat::Exr => {
+                exr::encode_with_noise(&picture, &self.film.noise(), &metadata).map_err(|e| e.to_string())?
+            }
+        };
+        let path = job.output.picture(settings.views.turntable.map(|_| self.view), format);
+        Ok(Encoded { record: self.record(job, format, job::slashed(&path)), path, bytes })
+    }
+
+    fn metadata(&self, job: &Job, outcome: &Outcome) -> Metadata {
+        Metadata {
+            software: Metadata::software(),
+            source: job.input.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            content: outcome.content.clone().unwrap_or_default(),
+            settings: outcome.settings.clone().unwrap_or_default(),
+            seed: job.settings.render.seed,
+            spp: self.film.spp,
+            view: self.view,
+            stated: self.accuracy.map(|a| StatedError {
+                error: a.error,
+                error_bound: a.error_bound,
+                relmse: a.relmse,
+                relmse_bound: a.relmse_bound,
+            }),
+        }
+    }
+
+    fn record(&self, job: &Job, format: PictureFormat, path: String) -> OutputRecord {
+        let (width, height, spp) = (self.film.width, self.film.height, self.film.spp);
+        let bound = self.accuracy.map(|a| a.error_bound);
+        OutputRecord {
+            path,
+            format,
+            view: self.view,
+            width,
+            height,
+            spp,
+            samples: u64::from(spp) * u64::from(width) * u64::from(height),
+            exposure: self.exposure,
+            error: self.accuracy.map(|a| a.error),
+            error_bound: bound,
+            relmse: self.accuracy.map(|a| a.relmse),
+            relmse_bound: self.accuracy.map(|a| a.relmse_bound),
+            target_met: job.settings.goal.error.map(|target| bound.is_some_and(|b| b <= target)),
+            bias: self.bias(job),
+        }
+    }
+
+    /// What was asked for that takes light away, with how much.
+    fn bias(&self, job: &Job) -> Vec<String> {
+        let Some(limit) = job.settings.render.clamp else { return Vec::new() };
+        let kept: f64 = self.film.pixels.iter().flat_map(|p| p.replicate_sums()).map(|s| s[0] + s[1] + s[2]).sum();
+        let all = kept + self.tally.clamped;
+        let share = if all > 0.0 { 100.0 * self.tally.clamped / all } else { 0.0 };
+        vec![format!("clamp {limit}: removed {share:.4} % of the light")]
+    }
+}
