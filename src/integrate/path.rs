@@ -16,8 +16,9 @@ use glam::Vec3;
 
 /// Scattering events before Russian roulette begins.
 const ROULETTE_AFTER: u32 = 5;
-/// The most that roulette lets a path survive by.
-const MOST_SURVIVAL: f32 = 0.95;
+/// The most that roulette lets a path survive by. Less than 1 would make paths between nearly white walls heavier with
+/// every bounce, without bound (and their variance infinite).
+const MOST_SURVIVAL: f32 = 1.0;
 
 /// Radiance along a camera ray, and whether it met the asset (its coverage).
 pub(super) struct PathResult {

@@ -9,8 +9,8 @@ use crate::shading::{Bsdf, MetalRoughParams, PhongParams};
 use glam::Vec3;
 use kiln_formats::scene::{Material, MaterialId, NormalMap, Phong, Surface};
 
-/// The least cosine between the viewer and a shading normal: beyond it the normal is bent back, since a viewer below
-/// the shading horizon would see black (numerics: clamp to the visible side).
+/// The least cosine between the viewer and a shading normal that leans away from him: beyond it the normal is bent back,
+/// since a viewer below the shading horizon would see black (numerics: clamp to the visible side).
 const LEAST_COSINE: f32 = 0.02;
 
 /// A point on a surface, seen from one side.
@@ -168,15 +168,16 @@ fn lift(prepared: &PreparedScene, place: &Place, b: [f32; 3]) -> Vec3 {
     lift
 }
 
-/// The shading normal on the viewer's side of the surface, bent towards the viewer where he would be below its
-/// horizon.
+/// The shading normal on the viewer's side of the surface, bent towards the viewer where he would be below its horizon.
+/// A viewer who sees the face itself at a grazing angle sees it so: the face's own normal is never bent.
 fn visible_normal(shading: Vec3, normal: Vec3, wo: Vec3) -> Vec3 {
     let shading = if shading.dot(normal) < 0.0 { -shading } else { shading };
     let cosine = shading.dot(wo);
-    if cosine >= LEAST_COSINE {
+    let least = LEAST_COSINE.min(normal.dot(wo));
+    if cosine >= least {
         return shading;
     }
-    (shading + wo * (LEAST_COSINE - cosine)).try_normalize().filter(|n| n.dot(wo) > 0.0).unwrap_or(normal)
+    (shading + wo * (least - cosine)).try_normalize().filter(|n| n.dot(wo) > 0.0).unwrap_or(normal)
 }
 
 /// Perturbed normal from a tangent-space map: glTF's `normalize(sampled · vec3(scale, scale, 1))` in the basis of
