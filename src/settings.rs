@@ -48,6 +48,18 @@ pub enum SamplerKind {
     Xorshift32,
 }
 
+/// How light is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum Integrator {
+    /// Path tracing, unbiased.
+    #[default]
+    Path,
+    /// Whitted's ray tracing as in the course tracers of `.ray` scenes: no light but from lights, mirrors and glass.
+    Whitted,
+}
+
 /// How the kd-tree is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -101,6 +113,8 @@ pub struct RenderSettings {
     pub seed: u64,
     /// Scattering events per path at most.
     pub max_depth: u32,
+    /// How light is computed.
+    pub integrator: Integrator,
     /// How direct light is estimated.
     pub strategy: Strategy,
     /// Light samples per vertex.
@@ -117,6 +131,7 @@ impl Default for RenderSettings {
             spp: 64,
             seed: 0,
             max_depth: 16,
+            integrator: Integrator::default(),
             strategy: Strategy::default(),
             light_samples: 1,
             sampler: SamplerKind::default(),

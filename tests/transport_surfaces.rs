@@ -183,7 +183,7 @@ fn orthographic(origin: DVec3, forward: DVec3, half: f64, size: u32) -> View {
         forward: forward * 7.0,
         right: right * half,
         up: right.cross(forward) * half,
-        fixed_aspect: true,
+        aspect: Some(1.0),
     };
     View { camera, width: size, height: size, show_environment: false }
 }

@@ -60,6 +60,8 @@ pub struct ImportOptions {
     pub root: Option<PathBuf>,
     /// Which of its looks to show.
     pub show: Show,
+    /// How `.ray` files are taken.
+    pub ray: ray::RayOptions,
 }
 
 /// What one asset gives.
@@ -90,7 +92,7 @@ pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result
         match format {
             Format::Gltf => gltf::import(bytes, &mut resources, &options.show, &mut contents, &mut warnings, control),
             Format::Obj => obj::import(bytes, &mut resources, &mut warnings, control),
-            Format::Ray => ray::import(bytes, &mut resources, &mut warnings, control),
+            Format::Ray => ray::import(bytes, &mut resources, options.ray, &mut warnings, control),
         }
     });
     let scene = catch_unwind(run)

@@ -158,7 +158,7 @@ fn cameras_lose_scale_and_keep_their_lens() {
     };
     assert_eq!(front.origin.to_array(), [0.0, 0.0, 5.0]);
     assert!(close(front, [0.0, 0.0, -1.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]), "{front:?}");
-    assert!(front.fixed_aspect && !free.fixed_aspect && front.name == "front");
+    assert!(front.aspect.is_some() && free.aspect.is_none() && front.name == "front");
     assert_eq!((plan.projection, plan.name.as_str()), (Projection::Orthographic, "plan"));
     assert!(close(plan, [0.0, 0.0, -1.0], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0]), "{plan:?}");
 }

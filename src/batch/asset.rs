@@ -207,8 +207,8 @@ impl Work<'_> {
         };
         let digest = digest::of_settings(settings, loaded.as_deref().map(LoadedEnvironment::digest));
         self.outcome.settings = Some(digest.map_err(|e| Failure::new("settings", e.to_string()))?);
-        let (root, show) = (self.job.root.clone(), settings.look.show.clone());
-        let options = ImportOptions { root, show, ..ImportOptions::default() };
+        let (root, show, ray) = (self.job.root.clone(), settings.look.show.clone(), settings.look.ray);
+        let options = ImportOptions { root, show, ray, ..ImportOptions::default() };
         let imported = import(&self.job.input, &options, self.control);
         // A failed import costs time too.
         (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();

@@ -165,12 +165,11 @@ fn light(light: &Light) -> LightFacts {
 }
 
 fn camera(camera: &kiln_formats::scene::Camera) -> CameraFacts {
-    let (across, up) = (camera.right.length(), camera.up.length());
-    let fov = 2.0 * libm::atan(up / camera.forward.length());
+    let fov = 2.0 * libm::atan(camera.up.length() / camera.forward.length());
     CameraFacts {
         name: camera.name.clone(),
         projection: camera.projection,
         vertical_fov_deg: (camera.projection == Projection::Perspective).then(|| fov.to_degrees()),
-        aspect: camera.fixed_aspect.then_some(across / up),
+        aspect: camera.aspect,
     }
 }

@@ -65,7 +65,7 @@ pub(super) fn run(job: &Job, control: &Control, desk: &Desk) -> Outcome {
 fn plan(job: &Job, control: &Control) -> Result<Vec<Job>, ImportError> {
     let settings = &job.settings;
     let contents = read(job, settings.look.show.time, control)?.1;
-    let plain = LookSettings { show: settings.look.show.clone(), ..LookSettings::default() };
+    let plain = LookSettings { show: settings.look.show.clone(), ray: settings.look.ray, ..LookSettings::default() };
     let single = |settings: Settings, suffix: Option<&str>| {
         let mut job = Job { settings, ..job.clone() };
         if let Some(suffix) = suffix {
@@ -111,7 +111,8 @@ fn plan(job: &Job, control: &Control) -> Result<Vec<Job>, ImportError> {
 fn read(job: &Job, time: Option<f64>, control: &Control) -> Result<(Scene, Contents), ImportError> {
     let mut show = job.settings.look.show.clone();
     show.time = time.or(job.settings.look.play.then_some(0.0));
-    let options = ImportOptions { root: job.root.clone(), show, ..ImportOptions::default() };
+    let options =
+        ImportOptions { root: job.root.clone(), show, ray: job.settings.look.ray, ..ImportOptions::default() };
     let imported = import(&job.input, &options, control)?;
     Ok((imported.scene, imported.contents))
 }

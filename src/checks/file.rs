@@ -262,7 +262,7 @@ impl CameraSpec {
             forward,
             right: right * (half * aspect),
             up: right.cross(forward) * half,
-            fixed_aspect: false,
+            aspect: None,
         })
     }
 }

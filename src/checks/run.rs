@@ -3,7 +3,7 @@ use super::judge::{SIGNIFICANCE, Verdict, judge, tests};
 use crate::integrate::{View, render};
 use crate::math::statistics::sidak;
 use crate::prepare::{EnvironmentSource, prepare};
-use crate::settings::{PrepareSettings, RenderSettings, Strategy};
+use crate::settings::{Integrator, PrepareSettings, RenderSettings, Strategy};
 use kiln_formats::scene::{Camera, Image, Pixels};
 use kiln_formats::{Control, ImportOptions, Stopped, import};
 use rayon::prelude::*;
@@ -79,6 +79,7 @@ fn run_check(check: &Check, level: f64) -> Result<Vec<Row>, String> {
     let mut rows = Vec::new();
     for strategy in &spec.strategies {
         let settings = RenderSettings {
+            integrator: Integrator::Path,
             spp: spec.spp,
             seed: spec.seed,
             max_depth: spec.max_depth,

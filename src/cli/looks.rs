@@ -1,5 +1,6 @@
-use clap::Args;
+use clap::{Args, ValueEnum};
 use kiln::formats::Show;
+use kiln::formats::ray::{Basis, Dialect, RayOptions};
 use kiln::settings::LookSettings;
 
 /// Which looks of an asset are pictured.
@@ -17,6 +18,38 @@ pub struct LookOptions {
     /// The material variant with this name or index, or pictures of all of them
     #[arg(long, value_name = "NAME|all", help_heading = "Looks")]
     variant: Option<String>,
+    /// Which family of course tracers .ray files were written for
+    #[arg(long, value_enum, default_value_t, value_name = "FAMILY", help_heading = "Looks")]
+    ray_dialect: RayDialect,
+    /// The camera of .ray files: as written, sheared and stretched as in the course tracers, or with straight axes
+    #[arg(long, value_enum, default_value_t, value_name = "AXES", help_heading = "Looks")]
+    ray_camera: RayCamera,
+    /// Surfaces of .ray files emit what the ambient light would show
+    #[arg(long, help_heading = "Looks")]
+    ray_ambient: bool,
+    /// Glass of .ray files blocks the light of lamps, which else goes straight through and takes on its colour
+    #[arg(long, help_heading = "Looks")]
+    ray_opaque_glass: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum RayDialect {
+    /// UT Austin
+    #[default]
+    Ut,
+    /// University of Washington, and UT up to 2015
+    Uw,
+    /// HKUST
+    Hk,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum RayCamera {
+    /// As written
+    #[default]
+    Raw,
+    /// Perpendicular axes of unit length
+    Orthonormal,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -35,6 +68,19 @@ impl LookOptions {
             },
             every_variant,
             play: self.play,
+            ray: RayOptions {
+                dialect: match self.ray_dialect {
+                    RayDialect::Ut => Dialect::Ut,
+                    RayDialect::Uw => Dialect::Uw,
+                    RayDialect::Hk => Dialect::Hk,
+                },
+                basis: match self.ray_camera {
+                    RayCamera::Raw => Basis::Raw,
+                    RayCamera::Orthonormal => Basis::Orthonormal,
+                },
+                emit_ambient: self.ray_ambient,
+                opaque_glass: self.ray_opaque_glass,
+            },
         }
     }
 }

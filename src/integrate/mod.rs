@@ -9,10 +9,11 @@ mod replay;
 mod tile;
 mod trace;
 mod vertex;
+mod whitted;
 
 use crate::film::{Film, Picture};
 use crate::prepare::PreparedScene;
-use crate::settings::RenderSettings;
+use crate::settings::{Integrator, RenderSettings};
 use camera::RayCamera;
 use cpu_time::ThreadTime;
 pub use dropped::{Dropped, DroppedSample};
@@ -116,6 +117,9 @@ pub fn render_pass(
     samples: Range<u32>,
     control: &Control,
 ) -> Result<PassTally, Stopped> {
+    if settings.integrator == Integrator::Whitted {
+        return whitted::render_pass(scene, view, settings, film, samples, control);
+    }
     debug_assert_eq!((film.spp, film.width, film.height), (samples.start, view.width, view.height));
     let camera = RayCamera::new(&view.camera, &scene.frame);
     let before = &*film;

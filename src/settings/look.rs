@@ -1,4 +1,5 @@
 use kiln_formats::Show;
+use kiln_formats::ray::RayOptions;
 use serde::{Deserialize, Serialize};
 
 /// Which looks of an asset are pictured.
@@ -10,6 +11,8 @@ pub struct LookSettings {
     pub every_variant: bool,
     /// The frames of a turntable go through the animation once, from `show.time` on.
     pub play: bool,
+    /// How `.ray` files are taken.
+    pub ray: RayOptions,
 }
 
 impl LookSettings {

@@ -15,6 +15,8 @@ pub enum ToneMap {
     Agx,
     /// Clamps each channel.
     None,
+    /// As the course tracers of `.ray` scenes write: clamped, over black, 8 bits of linear light without rounding up.
+    Course,
 }
 
 /// How bright the displayed picture is. EXR files are never exposed.

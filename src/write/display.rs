@@ -27,7 +27,7 @@ pub fn develop(picture: &Picture, exposure_ev: f64, operator: ToneMap, backgroun
     DisplayPicture {
         width: picture.width,
         height: picture.height,
-        opaque: background != Background::Transparent,
+        opaque: background != Background::Transparent || operator == ToneMap::Course,
         pixels: picture.pixels.iter().map(|pixel| developer.develop(*pixel)).collect(),
     }
 }
@@ -52,6 +52,9 @@ impl Developer {
 
     /// Encoded sRGB with straight alpha of a linear pixel with premultiplied alpha.
     pub fn develop(&self, [r, g, b, alpha]: [f32; 4]) -> [f32; 4] {
+        if self.operator == ToneMap::Course {
+            return course([r, g, b], self.scale);
+        }
         let alpha = alpha.max(0.0).min(1.0);
         let straight = if alpha > 0.0 { [r, g, b].map(|c| c / alpha * self.scale) } else { [0.0; 3] };
         let shown = tonemap::apply(self.operator, straight);
@@ -63,6 +66,13 @@ impl Developer {
         // What nobody sees is black, not the colour that the tone map gives to nothing.
         if alpha > 0.0 { [r, g, b, alpha] } else { [0.0; 4] }
     }
+}
+
+/// 8 bits of linear light over black, cut off and not rounded, as the course tracers of `.ray` scenes write their files.
+fn course(color: [f32; 3], scale: f32) -> [f32; 4] {
+    // A whole number of 255ths is what quantising gives back.
+    let [r, g, b] = color.map(|c| ((c * scale).max(0.0).min(1.0) * 255.0).floor() / 255.0);
+    [r, g, b, 1.0]
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ pub fn apply(operator: ToneMap, color: [f32; 3]) -> [f32; 3] {
         ToneMap::Neutral => neutral(color),
         ToneMap::Aces => aces(color),
         ToneMap::Agx => agx(color),
-        ToneMap::None => color,
+        ToneMap::None | ToneMap::Course => color,
     };
     mapped.map(|c| c.max(0.0).min(1.0))
 }

@@ -9,6 +9,7 @@ mod samples;
 #[path = "../cli/support.rs"]
 #[allow(dead_code, reason = "each test crate uses a part")]
 mod support;
+mod whitted;
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -38,7 +38,7 @@ fn build(source: &json::Camera, world: &DAffine3) -> Option<Camera> {
                 return None;
             }
             let camera = Camera::perspective(origin, forward, up, fov, aspect.map_or(1.0, f64::from));
-            Camera { fixed_aspect: aspect.is_some(), ..camera }
+            Camera { aspect: aspect.map(f64::from), ..camera }
         }
         Checked::Valid(Type::Orthographic) => {
             let lens = source.orthographic.as_ref()?;
@@ -50,7 +50,7 @@ fn build(source: &json::Camera, world: &DAffine3) -> Option<Camera> {
                 forward,
                 right: right * x,
                 up: up * y,
-                fixed_aspect: true,
+                aspect: Some(x / y),
             }
         }
         Checked::Invalid => return None,

@@ -9,10 +9,13 @@
 mod lexer;
 mod lower;
 mod notes;
+mod options;
 mod parse;
 mod shapes;
 mod source;
 mod tree;
+
+pub use options::{Basis, Dialect, RayOptions};
 
 use crate::{Control, ImportError, Resources, Scene, Warning};
 
@@ -24,13 +27,14 @@ use crate::{Control, ImportError, Resources, Scene, Warning};
 pub fn import(
     bytes: Vec<u8>,
     resources: &mut Resources,
+    options: RayOptions,
     warnings: &mut Vec<Warning>,
     control: &Control,
 ) -> Result<Scene, ImportError> {
     let source = source::Source { bytes: &bytes };
     let nodes = parse::parse(source, resources.limits().max_nesting, control)?;
     let mut notes = notes::Notes::new(source, warnings);
-    let scene = lower::lower(nodes, source, resources, &mut notes, control)?;
+    let scene = lower::lower(nodes, source, resources, options, &mut notes, control)?;
     notes.finish();
     Ok(scene)
 }

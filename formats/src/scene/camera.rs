@@ -27,8 +27,9 @@ pub struct Camera {
     pub right: DVec3,
     /// From the middle of the image plane to the middle of its upper edge. Need not be perpendicular to the others.
     pub up: DVec3,
-    /// Whether the file fixes the aspect ratio (|right| : |up|). If not, `up` counts and the width follows the picture.
-    pub fixed_aspect: bool,
+    /// Width / height of the picture that `right` and `up` are meant for (not |right| : |up| where the plane is sheared or
+    /// scaled), if the file fixes it. If not, `up` counts and the width follows the picture.
+    pub aspect: Option<f64>,
 }
 
 impl Camera {
@@ -46,7 +47,7 @@ impl Camera {
             forward,
             right: right * (half * aspect),
             up: right.cross(forward) * half,
-            fixed_aspect: false,
+            aspect: None,
         }
     }
 }

@@ -1,6 +1,15 @@
 use super::{MaterialId, MeshId};
 use glam::DAffine3;
 
+/// What the triangles of a `.ray` primitive stand for. Only look-alike integrators ask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Primitive {
+    /// The unit sphere about the origin of object space.
+    Sphere,
+    /// An open surface whose normal always turns to the viewer.
+    Sheet,
+}
+
 /// Triangles in object space with attributes per vertex. Counter-clockwise corners show the front.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -24,6 +33,8 @@ pub struct Mesh {
     /// One [`super::Surface::Phong`] material per position, all their fields interpolated (`.ray` meshes with
     /// `materials`), or empty: `material` holds everywhere.
     pub vertex_materials: Vec<MaterialId>,
+    /// What the triangles stand for, where they are more than themselves.
+    pub primitive: Option<Primitive>,
 }
 
 /// One placement of a mesh in the world.

@@ -17,7 +17,7 @@ pub use light::{Extent, Falloff, Light, LightKind};
 pub use material::{
     Alpha, AlphaMode, Channel, ColorInput, Material, MetalRough, NormalMap, Phong, ScalarInput, Surface, Volume,
 };
-pub use mesh::{Instance, Mesh};
+pub use mesh::{Instance, Mesh, Primitive};
 pub use texture::{ColorSpace, Filter, Image, Pixels, Texture, TextureRef, UvTransform, Wrap};
 pub use validate::InvalidScene;
 

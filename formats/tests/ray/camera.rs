@@ -23,7 +23,7 @@ fn the_default_camera_looks_down_z_with_an_image_of_height_one() {
         assert_eq!(camera.projection, Projection::Perspective);
         assert_eq!((camera.origin, camera.forward), (DVec3::ZERO, DVec3::NEG_Z));
         assert_eq!((camera.right, camera.up), (DVec3::X * 0.5, DVec3::Y * 0.5));
-        assert!(camera.fixed_aspect);
+        assert!(camera.aspect.is_some());
     }
 }
 

@@ -1,6 +1,7 @@
 //! Broken bytes: an error or a valid scene, never a panic, never a hang.
 
 use super::read_in;
+use kiln_formats::ray::RayOptions;
 use kiln_formats::{Control, ErrorCode, Limits, Resources, ray};
 use std::time::Instant;
 
@@ -124,7 +125,8 @@ fn a_stop_is_obeyed() {
     let mut resources =
         Resources::new(&std::env::temp_dir().join("a.ray"), None, Limits::default()).expect("a temporary folder");
     let text = b"SBT-raytracer 1.0 sphere {}".to_vec();
-    let error = ray::import(text, &mut resources, &mut Vec::new(), &control).expect_err("stopped");
+    let error =
+        ray::import(text, &mut resources, RayOptions::default(), &mut Vec::new(), &control).expect_err("stopped");
     assert_eq!(error.code, ErrorCode::Stopped);
 }
 

@@ -4,6 +4,7 @@
 
 mod camera;
 mod corpus;
+mod dialects;
 mod hostile;
 mod language;
 mod lights;
@@ -16,15 +17,25 @@ mod shapes;
 mod shared;
 mod textures;
 
+use kiln_formats::ray::RayOptions;
 use kiln_formats::scene::{Material, Phong, Surface};
 use kiln_formats::{Control, ErrorCode, ImportError, Limits, Place, Resources, Scene, Warning, ray};
 use std::path::Path;
 
 /// Reads a scene whose files lie in `folder`. The scene has passed validation.
 fn read_in(folder: &Path, text: &[u8], limits: Limits) -> Result<(Scene, Vec<Warning>), ImportError> {
+    read_as(folder, text, limits, RayOptions::default())
+}
+
+fn read_as(
+    folder: &Path,
+    text: &[u8],
+    limits: Limits,
+    options: RayOptions,
+) -> Result<(Scene, Vec<Warning>), ImportError> {
     let mut resources = Resources::new(&folder.join("scene.ray"), None, limits)?;
     let mut warnings = Vec::new();
-    let scene = ray::import(text.to_vec(), &mut resources, &mut warnings, &Control::default())?;
+    let scene = ray::import(text.to_vec(), &mut resources, options, &mut warnings, &Control::default())?;
     scene.validate().unwrap_or_else(|e| panic!("invalid scene: {e}"));
     Ok((scene, warnings))
 }

@@ -22,10 +22,10 @@ pub fn find<'a>(scene: &'a Scene, name: &str) -> Result<&'a Camera, String> {
 pub fn fit(camera: &Camera, aspect: f64) -> Camera {
     let mut fitted = camera.clone();
     let (across, up) = (camera.right.length(), camera.up.length());
-    if camera.fixed_aspect && across > aspect * up {
-        fitted.up *= across / (aspect * up);
-    } else {
-        fitted.right *= aspect * up / across;
+    match camera.aspect {
+        Some(own) if own > aspect => fitted.up *= own / aspect,
+        Some(own) => fitted.right *= aspect / own,
+        None => fitted.right *= aspect * up / across,
     }
     fitted
 }
@@ -45,7 +45,7 @@ pub fn fixed(view: &FixedView, aspect: f64) -> Result<Camera, String> {
         forward: -column(2),
         right: column(0) * (half * aspect),
         up: column(1) * half,
-        fixed_aspect: false,
+        aspect: None,
     };
     let volume = camera.forward.dot(camera.right.cross(camera.up));
     if !(view.vfov_deg > 0.0 && view.vfov_deg < 180.0) {
@@ -67,7 +67,7 @@ mod tests {
     fn camera(name: &str, fixed_aspect: bool, aspect: f64) -> Camera {
         let fov = std::f64::consts::FRAC_PI_2;
         let camera = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, fov, aspect);
-        Camera { name: name.into(), fixed_aspect, ..camera }
+        Camera { name: name.into(), aspect: fixed_aspect.then_some(aspect), ..camera }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 use super::{Lower, Result};
 use crate::ErrorCode;
+use crate::ray::options::Dialect;
 use crate::ray::source::{At, Offset};
 use crate::ray::tree::{FieldName, FieldValue, MaterialExpr, MaterialField};
 use crate::scene::{ColorInput, Material, MaterialId, Phong, ScalarInput, Surface, TextureRef};
@@ -15,6 +16,8 @@ const ENERGY_TOLERANCE: f32 = 1.05;
 pub(super) struct Appearance {
     pub phong: Phong,
     pub emission: Emission,
+    /// Whether `reflective` was said: in some dialects `specular` stands for it else.
+    has_mirror: bool,
     /// Index of the name that the file gives to exactly this material.
     name: Option<u32>,
 }
@@ -77,9 +80,16 @@ impl Lower<'_, '_> {
                 None => Err(self.invalid(*at, format!("there is no material `{name}` before this line"))),
             },
             MaterialExpr::Block(At { value: block, .. }) => {
+                let inherited = match self.options.dialect {
+                    Dialect::Hk => Appearance::default(),
+                    Dialect::Ut | Dialect::Uw => inherited,
+                };
                 let mut appearance = Appearance { name: None, ..inherited };
                 for field in &block.fields {
                     self.set(&mut appearance, field)?;
+                }
+                if self.options.dialect != Dialect::Ut && !appearance.has_mirror {
+                    appearance.phong.mirror = appearance.phong.specular;
                 }
                 if let Some(At { at, value: name }) = &block.name {
                     appearance.name = Some(self.materials.names.len() as u32);
@@ -102,10 +112,16 @@ impl Lower<'_, '_> {
             FieldName::Ambient => phong.ambient = self.color(field)?,
             FieldName::Diffuse => phong.diffuse = self.color(field)?,
             FieldName::Specular => phong.specular = self.color(field)?,
-            FieldName::Reflective => phong.mirror = self.color(field)?,
+            FieldName::Reflective => {
+                phong.mirror = self.color(field)?;
+                appearance.has_mirror = true;
+            }
             FieldName::Transmissive => phong.transmission = self.color(field)?,
             FieldName::Shininess => {
                 phong.exponent = self.scalar(field, MAPPED_SHININESS)?;
+                if self.options.dialect == Dialect::Hk && phong.exponent.texture.is_none() {
+                    phong.exponent.factor *= MAPPED_SHININESS;
+                }
                 let n = phong.exponent.factor;
                 self.materials.large_shininess |= n > 1.0;
                 if n > 0.0 {
@@ -200,12 +216,27 @@ impl Lower<'_, '_> {
         channels.into_iter().fold(0.0, f32::max)
     }
 
+    /// Makes what the ambient light shows a part of the emission.
+    pub(super) fn emit_ambient(&mut self) {
+        let light = self.scene.ambient;
+        for material in &mut self.scene.materials {
+            let Surface::Phong(phong) = &material.surface else { continue };
+            let shown = [0, 1, 2].map(|i| phong.ambient.factor[i] * light[i]);
+            let emission = &mut material.emission;
+            // Two inputs with textures have no sum here; emission is kept.
+            if emission.is_black() || (emission.texture.is_none() && phong.ambient.texture.is_none()) {
+                let factor = [0, 1, 2].map(|i| emission.factor[i] + shown[i]);
+                *emission = ColorInput { factor, texture: phong.ambient.texture };
+            }
+        }
+    }
+
     /// Says so when every exponent suggests that the file is of the dialect with exponents of 0 to 1.
     pub(super) fn warn_about_shininess(&mut self) {
         if let Some(at) = self.materials.small_shininess.filter(|_| !self.materials.large_shininess) {
             self.notes.warn("shininess-dialect", at, || {
                 "every `shininess` is at most 1, which is the dialect where 1 stands for an exponent of 128; taken as \
-                 exponents as they are"
+                 exponents as they are (--ray-dialect hk)"
                     .into()
             });
         }

@@ -1,4 +1,5 @@
 use super::{Lower, Result};
+use crate::ray::options::{Basis, Dialect};
 use crate::ray::source::At;
 use crate::ray::tree::CameraBlock;
 use crate::scene::{Camera, Projection, UpAxis};
@@ -74,18 +75,30 @@ impl Lower<'_, '_> {
         };
         let origin = fields.position.unwrap_or(DVec3::ZERO);
         let updir = fields.updir.as_ref().map_or(DVec3::Y, |updir| updir.value);
+        let unit = |v: DVec3| if self.options.dialect == Dialect::Hk { v.normalize_or_zero() } else { v };
         let (right, up, forward) = match (&fields.look_at, &fields.viewdir, fields.quaternion) {
             (Some(target), _, _) if state.aimed => {
                 let forward = (target.value - origin).normalize();
                 let right = forward.cross(updir).normalize();
                 (right, right.cross(forward), forward)
             }
-            (_, Some(viewdir), _) => (updir.cross(-viewdir.value), updir, viewdir.value),
+            (_, Some(viewdir), _) => {
+                let (updir, viewdir) = (unit(updir), unit(viewdir.value));
+                (updir.cross(-viewdir), updir, viewdir)
+            }
             (_, _, Some(quaternion)) => {
                 let [right, up, back] = quaternion_basis(quaternion);
                 (right, up, -back)
             }
             _ => (DVec3::X, DVec3::Y, DVec3::NEG_Z),
+        };
+        let (right, up, forward) = match self.options.basis {
+            Basis::Raw => (right, up, forward),
+            Basis::Orthonormal => {
+                let right = forward.cross(up).normalize_or_zero();
+                let forward = forward.normalize_or_zero();
+                (right, right.cross(forward), forward)
+            }
         };
         let camera = Camera {
             name: String::new(),
@@ -94,7 +107,7 @@ impl Lower<'_, '_> {
             forward,
             right: right * (0.5 * height * aspect),
             up: up * (0.5 * height),
-            fixed_aspect: true,
+            aspect: Some(aspect),
         };
         let volume = camera.forward.dot(camera.right.cross(camera.up));
         let finite = camera.forward.is_finite() && camera.right.is_finite() && camera.up.is_finite();

@@ -46,7 +46,8 @@ impl Lower<'_, '_> {
         if !color.iter().all(|c| c.is_finite()) || !position.is_finite() {
             return Err(self.invalid(at, "this light is out of range"));
         }
-        self.scene.lights.push(Light { name: light.name, kind, color, position, direction, through_glass: true });
+        let through_glass = !self.options.opaque_glass;
+        self.scene.lights.push(Light { name: light.name, kind, color, position, direction, through_glass });
         Ok(())
     }
 

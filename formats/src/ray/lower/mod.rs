@@ -8,6 +8,7 @@ mod objects;
 mod objfile;
 mod textures;
 
+use super::RayOptions;
 use super::notes::Notes;
 use super::source::{At, Offset, Source};
 use super::tree::{Node, Object, Shape};
@@ -30,6 +31,7 @@ pub(super) fn lower(
     nodes: Vec<Node>,
     source: Source<'_>,
     resources: &mut Resources,
+    options: RayOptions,
     notes: &mut Notes<'_>,
     control: &Control,
 ) -> Result<Scene> {
@@ -37,6 +39,7 @@ pub(super) fn lower(
         source,
         detail: Detail::for_scene(&nodes),
         resources,
+        options,
         notes,
         control,
         scene: Scene::default(),
@@ -62,6 +65,7 @@ struct Lower<'a, 'n> {
     source: Source<'a>,
     detail: Detail,
     resources: &'a mut Resources,
+    options: RayOptions,
     notes: &'a mut Notes<'n>,
     control: &'a Control,
     scene: Scene,
@@ -103,6 +107,9 @@ impl Lower<'_, '_> {
         }
         self.camera(&camera)?;
         self.warn_about_shininess();
+        if self.options.emit_ambient {
+            self.emit_ambient();
+        }
         if self.triangles == 0 {
             return Err(ImportError::new(ErrorCode::Empty, "the scene has no geometry"));
         }

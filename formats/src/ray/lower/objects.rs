@@ -3,7 +3,7 @@ use super::{Appearance, Lower, Result};
 use crate::ray::shapes::{self, Tessellation};
 use crate::ray::source::Offset;
 use crate::ray::tree::{Node, Object, Shape};
-use crate::scene::{MaterialId, Mesh};
+use crate::scene::{MaterialId, Mesh, Primitive};
 use glam::{DAffine3, DVec3};
 
 /// Triangles that the spheres, and that the cylinders and cones of a scene may have together before they get coarser.
@@ -92,8 +92,16 @@ impl Lower<'_, '_> {
                     tessellation.uvs = vec![NO_UV; tessellation.positions.len()];
                 }
                 let Tessellation { positions, normals, uvs, triangles } = tessellation;
+                let primitive = match shape {
+                    Shape::Sphere => Some(Primitive::Sphere),
+                    Shape::Square | Shape::Cone { capped: false, .. } | Shape::Cylinder { capped: false } => {
+                        Some(Primitive::Sheet)
+                    }
+                    _ => None,
+                };
                 let uvs = [uvs, Vec::new()];
-                let mesh = self.add_mesh(Mesh { positions, normals, uvs, triangles, material, ..Mesh::default() });
+                let mesh = Mesh { positions, normals, uvs, triangles, material, primitive, ..Mesh::default() };
+                let mesh = self.add_mesh(mesh);
                 self.shapes.insert(key, mesh);
                 mesh
             }
