@@ -13,6 +13,7 @@ pub mod integrate;
 pub mod lanes;
 pub mod lighting;
 pub mod math;
+pub mod measure;
 pub mod metrics;
 pub mod prepare;
 pub mod sampling;

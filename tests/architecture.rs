@@ -22,7 +22,8 @@ const ARROWS: [(&str, &[&str]); 16] = [
     ("accuracy", &["film", "integrate", "math", "prepare", "sampling", "settings", "write"]),
     ("batch", &["accuracy", "film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
     ("checks", &["film", "integrate", "math", "prepare", "settings"]),
-    ("cli", &["batch", "checks", "metrics", "settings", "write"]),
+    ("measure", &["geometry", "math", "prepare"]),
+    ("cli", &["batch", "checks", "measure", "metrics", "settings", "write"]),
 ];
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {

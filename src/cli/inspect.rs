@@ -1,6 +1,7 @@
 use super::console::print_line;
 use super::exit::{Exit, Fatal};
 use super::progress::warning;
+use super::rays::RayOptions;
 use super::summary::plural;
 use clap::Args;
 use kiln::Control;
@@ -8,14 +9,16 @@ use kiln::batch::{AssetFacts, MaterialFacts, TextureFacts, lights_itself};
 use kiln::formats::scene::Projection;
 use kiln::formats::{ErrorCode, Format, ImportOptions, import};
 use kiln::prepare::{EnvironmentSource, prepare};
-use kiln::settings::PrepareSettings;
+use kiln::settings::{KdTreeBuilder, PrepareSettings, SimdTier};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
   kiln inspect chair.glb
-  kiln inspect chair.glb --json | jq .textures";
+  kiln inspect chair.glb --json | jq .textures
+  kiln inspect chair.glb --rays
+  kiln inspect chair.glb --rays bounce.rays --stream --threads 2 --json";
 
 /// Lists longer than this are cut for people.
 const LISTED: usize = 24;
@@ -32,6 +35,14 @@ pub struct InspectCommand {
     /// Files that the asset refers to must lie below this folder [default: the parent of the asset's folder]
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
+    /// How the kd-tree is built
+    #[arg(long, value_enum, default_value_t, value_name = "BUILDER")]
+    kdtree: KdTreeBuilder,
+    /// The instructions that tracing may use
+    #[arg(long, value_enum, default_value_t, value_name = "TIER")]
+    simd: SimdTier,
+    #[command(flatten)]
+    rays: RayOptions,
 }
 
 impl InspectCommand {
@@ -49,9 +60,11 @@ impl InspectCommand {
         let own_light = lights_itself(&imported.scene, format);
         let facts = AssetFacts::of(format, &imported);
         let environment = if own_light { EnvironmentSource::None } else { EnvironmentSource::Studio };
-        let prepared = prepare(imported.scene, &environment, &PrepareSettings::default(), &control)
+        let settings = PrepareSettings { kdtree: self.kdtree, simd: self.simd, ..PrepareSettings::default() };
+        let prepared = prepare(imported.scene, &environment, &settings, &control)
             .map_err(|_| Fatal::failed(format!("{name}: {}", ErrorCode::Stopped.as_str())))?;
         let tree = prepared.kdtree_statistics();
+        let rays = self.rays.measure(&prepared)?;
         if self.json {
             let mut value = serde_json::to_value(&facts).map_err(|e| Fatal::failed(e.to_string()))?;
             if let Value::Object(object) = &mut value {
@@ -60,6 +73,9 @@ impl InspectCommand {
                 object.insert("degenerate_triangles".into(), prepared.degenerate_triangles.into());
                 object.insert("emitters".into(), prepared.emitters.into());
                 object.insert("kdtree".into(), json!(tree));
+                if let Some(rays) = &rays {
+                    self.rays.tell_json(rays, tree.build_seconds, object);
+                }
             }
             print_line(&value.to_string());
         } else {
@@ -78,8 +94,26 @@ impl InspectCommand {
                 tree.bytes as f64 / 1e6,
                 prepared.times.kdtree
             ));
+            if let Some(rays) = &rays {
+                print_line(&format!(
+                    "           built by {} planes: {:.1} references a triangle, {:.1} bytes a triangle, SAH cost {:.2}",
+                    builder(self.kdtree),
+                    tree.references as f64 / tree.triangles.max(1) as f64,
+                    tree.bytes as f64 / tree.triangles.max(1) as f64,
+                    tree.sah_cost
+                ));
+                self.rays.tell(rays).iter().for_each(|line| print_line(line));
+            }
         }
         Ok(Exit::Done)
+    }
+}
+
+fn builder(builder: KdTreeBuilder) -> &'static str {
+    match builder {
+        KdTreeBuilder::Median => "median",
+        KdTreeBuilder::Sampled => "sampled",
+        KdTreeBuilder::Sah => "SAH",
     }
 }
 

@@ -10,6 +10,7 @@ mod interrupt;
 mod looks;
 mod options;
 mod progress;
+mod rays;
 mod render;
 mod replay;
 mod summary;

@@ -28,3 +28,56 @@ fn what_cannot_be_read_is_an_error() {
         assert!(output.stdout.is_empty());
     }
 }
+
+/// A file of rays: (origin, near end, direction, far end) each.
+fn ray_file(rays: &[[f32; 8]]) -> Vec<u8> {
+    let numbers = rays.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+    (rays.len() as u32).to_le_bytes().into_iter().chain(numbers).collect()
+}
+
+#[test]
+fn rays_of_a_file_are_traced_in_the_assets_coordinates() {
+    let dir = folder(&[("a.obj", "v 10 0 0\nv 14 0 0\nv 10 4 0\nf 1 2 3\n")]);
+    let rays = [
+        [11.0, 1.0, 5.0, 0.0, 0.0, 0.0, -1.0, f32::INFINITY],
+        [11.0, 1.0, 5.0, 0.0, 0.0, 0.0, -2.0, 1e30],
+        [11.0, 1.0, 5.0, 1.0, 0.0, 0.0, -1.0, 6.0],
+        [11.0, 1.0, 5.0, 0.0, 0.0, 0.0, -1.0, 4.0],
+        [11.0, 1.0, 5.0, 5.5, 0.0, 0.0, -1.0, 9.0],
+        [0.0, 1.0, 5.0, 0.0, 0.0, 0.0, -1.0, 9.0],
+    ];
+    std::fs::write(dir.path().join("some.rays"), ray_file(&rays)).expect("a file");
+    for extra in [&[][..], &["--stream"], &["--stream", "--threads", "3"], &["--threads", "2", "--simd", "scalar"]] {
+        let told = |more: &[&str]| -> Value {
+            let words = [&["inspect", "a.obj", "--rays", "some.rays", "--json"], extra, more].concat();
+            let output = kiln(dir.path(), &words);
+            assert_eq!(code(&output), 0, "{}", stderr(&output));
+            serde_json::from_slice(&output.stdout).expect("JSON")
+        };
+        let nearest = told(&[]);
+        assert_eq!((nearest["rays"].as_u64(), nearest["hits"].as_u64()), (Some(6), Some(3)), "{extra:?}");
+        let mean = nearest["mean_t"].as_f64().expect("a number");
+        assert!((mean - (5.0 + 2.5 + 5.0) / 3.0).abs() < 1e-5, "{mean}");
+        for key in ["cpu_seconds", "mrays_per_cpu_second", "build_seconds"] {
+            assert!(nearest[key].as_f64().expect(key) > 0.0, "{key}");
+        }
+        assert_eq!(told(&["--any-hit"])["hits"], 3, "{extra:?}");
+    }
+    let output = kiln(dir.path(), &["inspect", "a.obj", "--rays"]);
+    let text = String::from_utf8(output.stdout).expect("text");
+    for told in ["camera", "bounce", "shadow", "million rays per CPU second", "bytes a triangle"] {
+        assert!(text.contains(told), "{told} in {text}");
+    }
+}
+
+#[test]
+fn a_file_that_holds_no_rays_is_an_error() {
+    let dir = folder(&[("a.obj", OBJ), ("cut.rays", "\u{7}\u{0}\u{0}\u{0}and so on")]);
+    for (name, why) in [("cut.rays", "228"), ("nowhere.rays", "")] {
+        let output = kiln(dir.path(), &["inspect", "a.obj", "--rays", name]);
+        assert_eq!(code(&output), 1, "{name}");
+        let told = stderr(&output);
+        assert!(told.starts_with(&format!("error: {name}: ")) && told.contains(why), "{told}");
+    }
+    assert_eq!(code(&kiln(dir.path(), &["inspect", "a.obj", "--stream"])), 2, "--stream says nothing without --rays");
+}
