@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce]
 //!
-//! A form may end in -stream: rays go to the tree in batches. Meshes are made here: scan, terrain, knot, stadium, hair, foliage. Rays come from the tree itself: a camera, one bounce
+//! A form may end in -stream or -packet: rays go to the tree in batches, as scattered or as coherent ones. Meshes are made here: scan, terrain, knot, stadium, hair, foliage. Rays come from the tree itself: a camera, one bounce
 //! (diffuse) from each hit, the same shuffled, a second bounce, and a shadow ray to a point of a light above. All contenders take turns, pass
 //! by pass, on one thread; the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
 //! mesh and the rays as files and is asked for passes over its standard input.
@@ -74,7 +74,7 @@ struct Pass {
 const BATCH: usize = 1024;
 
 /// A pass in batches. Turning rays into columns is not part of the work: a wavefront has columns.
-fn stream(tree: &KdTree, rays: &[Ray], any: bool) -> Pass {
+fn stream(tree: &KdTree, rays: &[Ray], any: bool, coherence: Coherence) -> Pass {
     let mut pass = Pass { seconds: 0.0, hits: 0, sum_t: 0.0 };
     let (mut t, mut b1, mut b2, mut triangle) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH], [0; BATCH]);
     let mut blocked = [false; BATCH];
@@ -94,12 +94,12 @@ fn stream(tree: &KdTree, rays: &[Ray], any: bool) -> Pass {
             reaches: &[],
         };
         if any {
-            tree.occluded_batch(&batch, Coherence::Scattered, &mut blocked[..n]);
+            tree.occluded_batch(&batch, coherence, &mut blocked[..n]);
             pass.hits += blocked[..n].iter().filter(|&&b| b).count() as u64;
         } else {
             let mut hits =
                 HitBatch { t: &mut t[..n], b1: &mut b1[..n], b2: &mut b2[..n], triangle: &mut triangle[..n] };
-            tree.closest_batch(&batch, Coherence::Scattered, &mut hits);
+            tree.closest_batch(&batch, coherence, &mut hits);
             for (t, _) in t[..n].iter().zip(&triangle[..n]).filter(|(_, id)| **id != NO_TRIANGLE) {
                 pass.hits += 1;
                 pass.sum_t += f64::from(*t);
@@ -112,7 +112,10 @@ fn stream(tree: &KdTree, rays: &[Ray], any: bool) -> Pass {
 
 fn pass(tree: &KdTree, form: &str, rays: &[Ray], any: bool) -> Pass {
     if form.ends_with("-stream") {
-        return stream(tree, rays, any);
+        return stream(tree, rays, any, Coherence::Scattered);
+    }
+    if form.ends_with("-packet") {
+        return stream(tree, rays, any, Coherence::Coherent);
     }
     let (mut hits, mut sum_t) = (0, 0.0);
     let begin = ThreadTime::now();
@@ -146,7 +149,17 @@ fn main() {
         let trees: Vec<(String, KdTree)> = asked
             .forms
             .iter()
-            .map(|form| (form.clone(), build(form.trim_end_matches("-stream").parse().unwrap_or(SimdTier::Scalar))))
+            .map(|form| {
+                (
+                    form.clone(),
+                    build(
+                        form.trim_end_matches("-stream")
+                            .trim_end_matches("-packet")
+                            .parse()
+                            .unwrap_or(SimdTier::Scalar),
+                    ),
+                )
+            })
             .collect();
         let statistics = trees[0].1.statistics();
         let begin = ProcessTime::now();

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use kiln::prepare::kdtree::Triangles;
 
-pub const NAMES: [&str; 6] = ["scan", "terrain", "knot", "stadium", "hair", "foliage"];
+pub const NAMES: [&str; 8] = ["scan", "terrain", "knot", "stadium", "hair", "foliage", "straw", "box"];
 
 /// Corners and faces.
 pub struct Mesh {
@@ -164,6 +164,43 @@ fn foliage() -> Mesh {
     all
 }
 
+/// Few triangles: five walls, and two blocks within.
+fn cornell_box() -> Mesh {
+    let mut all = Mesh { points: Vec::new(), faces: Vec::new() };
+    let mut wall = |at: Vec3, a: Vec3, b: Vec3| push(&mut all, grid(1, 1, |u, v| at + a * u + b * v));
+    let mut block = |at: Vec3, [x, y, z]: [Vec3; 3], open: bool| {
+        wall(at, x, y);
+        wall(at, y, z);
+        wall(at, z, x);
+        wall(at + x, y, z);
+        wall(at + y, z, x);
+        if !open {
+            wall(at + z, x, y);
+        }
+    };
+    let turned = |angle: f32, size: f32, height: f32| {
+        let (s, c) = (libm::sinf(angle), libm::cosf(angle));
+        [Vec3::new(c, 0.0, s) * size, Vec3::Y * height, Vec3::new(-s, 0.0, c) * size]
+    };
+    block(Vec3::splat(-1.0), [Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::Z * 2.0], true);
+    block(Vec3::new(-0.6, -0.99, -0.6), turned(0.3, 0.6, 1.2), false);
+    block(Vec3::new(0.2, -0.99, 0.0), turned(-0.3, 0.6, 0.6), false);
+    all
+}
+
+/// Long thin triangles in all directions.
+fn straw() -> Mesh {
+    let mut all = Mesh { points: Vec::new(), faces: Vec::new() };
+    for stalk in 0..112_500u32 {
+        let h = |k: u32| hash(stalk, k) * 2.0 - 1.0;
+        let at = Vec3::new(h(0), h(1), h(2));
+        let along = Vec3::new(h(3), h(4), h(5)).normalize_or(Vec3::X) * (0.1 + 0.3 * hash(stalk, 6));
+        let across = along.cross(Vec3::new(h(7), h(8), h(9))).normalize_or(Vec3::Y) * 0.001;
+        push(&mut all, grid(1, 1, |u, v| at + along * u + across * v));
+    }
+    all
+}
+
 pub fn make(name: &str) -> Mesh {
     match name {
         "scan" => scan(),
@@ -172,6 +209,8 @@ pub fn make(name: &str) -> Mesh {
         "stadium" => stadium(),
         "hair" => hair(),
         "foliage" => foliage(),
+        "box" => cornell_box(),
+        "straw" => straw(),
         other => panic!("unknown mesh {other}: {NAMES:?}"),
     }
 }

@@ -66,9 +66,13 @@ impl ShearedRay {
     /// Where the line through the ray meets a triangle, before and behind the origin alike.
     #[inline(always)]
     pub fn meet(&self, corners: [[f32; 3]; 3], triangle: u32) -> Option<Hit> {
-        let [ax, ay, az] = self.shear(corners[0]);
-        let [bx, by, bz] = self.shear(corners[1]);
-        let [cx, cy, cz] = self.shear(corners[2]);
+        self.meet_sheared(corners.map(|corner| self.shear(corner)), triangle)
+    }
+
+    /// [`ShearedRay::meet`] with corners that are sheared already.
+    #[inline(always)]
+    pub fn meet_sheared(&self, corners: [[f32; 3]; 3], triangle: u32) -> Option<Hit> {
+        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = corners;
         let exact = |p: f32, q: f32| f64::from(p) * f64::from(q);
         let u = exact(cx, by) - exact(cy, bx);
         let v = exact(ax, cy) - exact(ay, cx);

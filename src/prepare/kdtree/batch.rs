@@ -3,11 +3,18 @@
 //! A batch finds, bit for bit, what its rays find one by one.
 
 use super::KdTree;
+use super::wide::packet::Packets;
 use crate::math::{Hit, Ray};
 use glam::Vec3;
 
 /// Stands where there is no triangle.
 pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// Trees of up to so many references are walked in packets by rays that go like ways: beyond it, a packet's rays meet different
+/// leaves. Measured, like the next.
+const PACKETS_IF_COHERENT: u64 = 1 << 16;
+/// Trees of up to so many references are walked in packets by any rays.
+const PACKETS_IF_SCATTERED: u64 = 48;
 
 /// Rays side by side. All slices are equally long, but `leaves` and `reaches` may be empty when no ray has such a triangle.
 #[derive(Clone, Copy, Debug)]
@@ -103,12 +110,12 @@ impl KdTree {
     pub fn closest_batch_where(
         &self,
         rays: &RayBatch,
-        _coherence: Coherence,
+        coherence: Coherence,
         hits: &mut HitBatch,
         stops: impl FnMut(usize, &Hit) -> bool,
     ) {
         assert_eq!([hits.t.len(), hits.b1.len(), hits.b2.len(), hits.triangle.len()], [rays.len(); 4]);
-        self.kernel.trace::<false>(self.wide(), rays, stops, |i, hit| hits.set(i, rays.t_max[i], hit));
+        self.trace::<false>(rays, coherence, stops, |i, hit| hits.set(i, rays.t_max[i], hit));
     }
 
     /// [`KdTree::occluded`] for each ray of a batch.
@@ -120,11 +127,31 @@ impl KdTree {
     pub fn occluded_batch_where(
         &self,
         rays: &RayBatch,
-        _coherence: Coherence,
+        coherence: Coherence,
         blocked: &mut [bool],
         stops: impl FnMut(usize, &Hit) -> bool,
     ) {
         assert_eq!(rays.len(), blocked.len());
-        self.kernel.trace::<true>(self.wide(), rays, stops, |i, hit| blocked[i] = hit.is_some());
+        self.trace::<true>(rays, coherence, stops, |i, hit| blocked[i] = hit.is_some());
+    }
+
+    /// Traces a batch in the form that fits the tree and the rays.
+    fn trace<const ANY: bool>(
+        &self,
+        rays: &RayBatch,
+        coherence: Coherence,
+        stops: impl FnMut(usize, &Hit) -> bool,
+        found: impl FnMut(usize, Option<Hit>),
+    ) {
+        let most = match coherence {
+            Coherence::Coherent => PACKETS_IF_COHERENT,
+            Coherence::Scattered => PACKETS_IF_SCATTERED,
+        };
+        let (kernel, tree) = (self.kernel, self.wide());
+        if self.statistics.references <= most {
+            self.lanes.run(Packets::<ANY, _, _> { kernel, tree, rays, stops, found });
+        } else {
+            kernel.trace::<ANY>(tree, rays, stops, found);
+        }
     }
 }

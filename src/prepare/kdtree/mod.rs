@@ -23,6 +23,7 @@ mod split;
 mod validate;
 mod wide;
 
+use crate::lanes::AnyLanes;
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
 use crate::settings::KdTreeBuilder;
@@ -90,6 +91,7 @@ pub struct KdTree {
     wide: Vec<wide::node::WideNode>,
     leaves: leaves::LeafStore,
     kernel: wide::AnyKernel,
+    lanes: AnyLanes,
     statistics: Statistics,
 }
 
@@ -113,8 +115,9 @@ impl KdTree {
         let largest = (0..3).map(|axis| bounds.lo(axis).abs().max(bounds.hi(axis).abs())).fold(0.0, f32::max);
         // Sums with planes may round by half an ulp of the coordinates.
         let thickness = 2.0 * built.thickness + largest * f32::EPSILON;
-        let kernel = wide::AnyKernel::new(options.simd);
-        let mut tree = Self { bounds, thickness, nodes, wide, leaves, kernel, statistics: Statistics::default() };
+        let (kernel, lanes) = (wide::AnyKernel::new(options.simd), AnyLanes::new(options.simd));
+        let mut tree =
+            Self { bounds, thickness, nodes, wide, leaves, kernel, lanes, statistics: Statistics::default() };
         tree.statistics = Statistics {
             triangles: triangles.len() as u64,
             nodes: tree.nodes.len() as u64,

@@ -37,6 +37,14 @@ const PLAIN_MOST: f32 = 1e6;
 /// Makes the shortest of directions normal numbers.
 const DENORMAL_SCALE: f32 = 16_777_216.0;
 
+/// Whether a ray is of usual length and parallel to no axis, so that its direction can be taken as it is.
+#[inline(always)]
+pub fn is_plain(ray: &Ray) -> bool {
+    let length = ray.dir.abs();
+    let (longest, shortest) = (length.max_element(), length.min_element());
+    (PLAIN_LEAST..=PLAIN_MOST).contains(&longest) && shortest >= PARALLEL
+}
+
 /// A ray as the slab test wants it. Where the direction's length is unusual or an axis is parallel to it, distances are scaled
 /// by a power of two so that its largest component lies in [1, 2); that keeps all of them in f32's range.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,9 +74,7 @@ impl SlabRay {
     /// Prepares a ray in place, number by number: to move all that was just written costs more than to write it.
     #[inline(always)]
     pub fn set(&mut self, ray: &Ray) {
-        let length = ray.dir.abs();
-        let (longest, shortest) = (length.max_element(), length.min_element());
-        if (PLAIN_LEAST..=PLAIN_MOST).contains(&longest) && shortest >= PARALLEL {
+        if is_plain(ray) {
             self.set_scaled(ray, ray.dir, 1.0);
         } else {
             self.set_with_care(ray);

@@ -3,9 +3,9 @@
 
 use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
-use super::super::slab::{GROWTH, SlabRay};
+use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::Kernel;
+use super::kernel::{BoxRay, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -17,21 +17,6 @@ use std::arch::x86_64::*;
 /// Proof that the machine has AVX2 and FMA.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2(());
-
-/// A ray in registers.
-#[derive(Clone, Copy, Debug)]
-pub struct Avx2Ray {
-    enter_from: [__m256; 3],
-    leave_from: [__m256; 3],
-    inv: [__m256; 3],
-    /// Where in a node the rows of planes begin at which boxes are entered and left; below `6 · WIDTH`.
-    first: [usize; 3],
-    last: [usize; 3],
-    /// The node's order for this octant: which, its halves, and the shifts to its nibbles.
-    order: usize,
-    halves: [usize; 2],
-    shifts: __m256i,
-}
 
 impl Avx2 {
     /// The proof, on a machine that has it.
@@ -84,16 +69,8 @@ fn nearest_with_features<const ANY: bool>(
 
 // Everything in vectors is in functions with the features, closures included; else nothing would be inlined.
 impl Kernel for Avx2 {
-    type Ray = Avx2Ray;
-
     #[inline(always)]
-    fn prepare(self, slab: &SlabRay) -> Avx2Ray {
-        // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { prepare(slab) }
-    }
-
-    #[inline(always)]
-    fn open(self, ray: &Avx2Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
+    fn open(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
         // SAFETY: `self` is the proof that the machine has the features.
         unsafe { open(ray, node, limit, stack) }
     }
@@ -107,49 +84,33 @@ impl Kernel for Avx2 {
 
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn prepare(slab: &SlabRay) -> Avx2Ray {
-    let octant = slab.octant;
-    let reversed = octant >= 4;
-    let row = |axis: usize, first: bool| if slab.is_negative(axis) == first { axis + 3 } else { axis };
-    let spread = |x: [f32; 3]| x.map(|x| _mm256_set1_ps(x));
-    let forwards = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
-    let backwards = _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0);
-    Avx2Ray {
-        enter_from: spread(slab.enter_from),
-        leave_from: spread(slab.leave_from),
-        inv: spread(slab.inv),
-        first: [0, 1, 2].map(|axis| WIDTH * row(axis, true)),
-        last: [0, 1, 2].map(|axis| WIDTH * row(axis, false)),
-        order: if reversed { 7 - octant } else { octant },
-        halves: if reversed { [0, 32] } else { [32, 0] },
-        shifts: if reversed { forwards } else { backwards },
-    }
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn open(ray: &Avx2Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
+fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
     let planes = node.planes.as_ptr().cast::<f32>();
-    let inv_longer = ray.inv.map(|inv| _mm256_mul_ps(inv, _mm256_set1_ps(GROWTH)));
-    let (mut entered, mut left) = ([_mm256_setzero_ps(); 2], [_mm256_set1_ps(limit); 2]);
-    for half in 0..2 {
-        for (axis, &inv_longer) in inv_longer.iter().enumerate() {
-            // SAFETY: `prepare` makes offsets of whole rows of 16 within the planes; halves of rows are aligned to 32 bytes.
-            let (first, last) = unsafe {
-                let row = |at: usize| _mm256_load_ps(planes.add(at + 8 * half));
-                (row(ray.first[axis]), row(ray.last[axis]))
+    let (mut entered, mut left) = ([_mm256_setzero_ps(); 2], [_mm256_set1_ps(f32::INFINITY); 2]);
+    for axis in 0..3 {
+        let (enter_from, leave_from) = (_mm256_set1_ps(ray.enter_from[axis]), _mm256_set1_ps(ray.leave_from[axis]));
+        let inv = _mm256_set1_ps(ray.inv[axis]);
+        let upper = ray.upper[axis].min(UPPER) as usize;
+        for half in 0..2 {
+            // SAFETY: offsets are those of whole rows of 16 within the planes; halves of rows are aligned to 32 bytes.
+            let (near, far) = unsafe {
+                let row = planes.add(WIDTH * axis + 8 * half);
+                (_mm256_load_ps(row.add(upper)), _mm256_load_ps(row.add(UPPER as usize - upper)))
             };
-            let enter = _mm256_mul_ps(_mm256_sub_ps(first, ray.enter_from[axis]), ray.inv[axis]);
-            let leave = _mm256_mul_ps(_mm256_sub_ps(last, ray.leave_from[axis]), inv_longer);
-            entered[half] = _mm256_max_ps(entered[half], enter);
-            left[half] = _mm256_min_ps(left[half], leave);
+            entered[half] = _mm256_max_ps(entered[half], _mm256_mul_ps(_mm256_sub_ps(near, enter_from), inv));
+            left[half] = _mm256_min_ps(left[half], _mm256_mul_ps(_mm256_sub_ps(far, leave_from), inv));
         }
     }
-    let order = node.orders[ray.order & 3];
+    let longer = _mm256_set1_ps(GROWTH);
+    let left = left.map(|left| _mm256_min_ps(_mm256_mul_ps(left, longer), _mm256_set1_ps(limit)));
+    let order = node.orders[(ray.order / 2) as usize & 3];
+    let forwards = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
+    let backwards = _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0);
+    let (halves, shifts) = if ray.backwards == 1 { ([32, 0], backwards) } else { ([0, 32], forwards) };
     // SAFETY: two halves of a row, aligned to 32 bytes.
     let children = [0, 1].map(|half| unsafe { _mm256_load_ps(node.children.as_ptr().cast::<f32>().add(8 * half)) });
-    for shift in ray.halves {
-        let slots = _mm256_srlv_epi32(_mm256_set1_epi32((order >> (shift & 63)) as i32), ray.shifts);
+    for shift in halves {
+        let slots = _mm256_srlv_epi32(_mm256_set1_epi32((order >> shift) as i32), shifts);
         // Bit 3 of a slot selects the half; blending looks at the sign bit.
         let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(slots));
         let pick = |[low, high]: [__m256; 2]| {

@@ -3,9 +3,9 @@
 
 use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
-use super::super::slab::{GROWTH, SlabRay};
+use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::Kernel;
+use super::kernel::{BoxRay, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -18,21 +18,14 @@ use std::arch::x86_64::*;
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512(());
 
-/// A ray in registers.
-#[derive(Clone, Copy, Debug)]
-pub struct Avx512Ray {
-    enter_from: [__m512; 3],
-    leave_from: [__m512; 3],
-    inv: [__m512; 3],
-    /// Where in a node the rows of planes begin at which boxes are entered and left; below `6 · WIDTH`.
-    first: [usize; 3],
-    last: [usize; 3],
-    /// The node's order against this octant, the farthest first: where among the words of all orders, which of its halves comes
-    /// first (both below 8 in sum), and the shifts to its nibbles.
-    order: usize,
-    halves: [usize; 2],
-    shifts: __m512i,
-}
+/// Shifts to the nibbles of half an order, forwards and backwards; for each half.
+static SHIFTS: Shifts = Shifts([
+    [0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28],
+    [28, 24, 20, 16, 12, 8, 4, 0, 28, 24, 20, 16, 12, 8, 4, 0],
+]);
+
+#[repr(align(64))]
+struct Shifts([[u32; WIDTH]; 2]);
 
 impl Avx512 {
     /// The proof, on a machine that has it.
@@ -86,16 +79,8 @@ fn nearest_with_features<const ANY: bool>(
 // What is inlined for certain has no features of its own: it gets those of `nearest_with_features`. Closures in it are not
 // inlined for certain; there are none.
 impl Kernel for Avx512 {
-    type Ray = Avx512Ray;
-
     #[inline(always)]
-    fn prepare(self, slab: &SlabRay) -> Avx512Ray {
-        // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { prepare(slab) }
-    }
-
-    #[inline(always)]
-    fn open(self, ray: &Avx512Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
+    fn open(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
         // SAFETY: `self` is the proof that the machine has the features.
         unsafe { open(ray, node, limit, stack) }
     }
@@ -110,57 +95,43 @@ impl Kernel for Avx512 {
 /// # Safety
 /// For machines with the features.
 #[inline(always)]
-unsafe fn prepare(slab: &SlabRay) -> Avx512Ray {
-    let octant = slab.octant;
-    let reversed = octant >= 4;
-    let negative = [octant & 1, octant >> 1 & 1, octant >> 2];
-    // SAFETY: as promised.
-    unsafe {
-        let forwards = _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28);
-        let backwards = _mm512_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0, 28, 24, 20, 16, 12, 8, 4, 0);
-        let ([a, b, c], [d, e, f], [g, h, i]) = (slab.enter_from, slab.leave_from, slab.inv);
-        Avx512Ray {
-            enter_from: [_mm512_set1_ps(a), _mm512_set1_ps(b), _mm512_set1_ps(c)],
-            leave_from: [_mm512_set1_ps(d), _mm512_set1_ps(e), _mm512_set1_ps(f)],
-            inv: [_mm512_set1_ps(g), _mm512_set1_ps(h), _mm512_set1_ps(i)],
-            first: [WIDTH * 3 * negative[0], WIDTH * (1 + 3 * negative[1]), WIDTH * (2 + 3 * negative[2])],
-            last: [WIDTH * (3 - 3 * negative[0]), WIDTH * (4 - 3 * negative[1]), WIDTH * (5 - 3 * negative[2])],
-            order: 2 * if reversed { 7 - octant } else { octant },
-            halves: if reversed { [0, 1] } else { [1, 0] },
-            shifts: if reversed { forwards } else { backwards },
-        }
-    }
-}
-
-/// # Safety
-/// For machines with the features.
-#[inline(always)]
-unsafe fn open(ray: &Avx512Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
-    let (enters, words, leaf_bases) = stack.room();
+unsafe fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
+    let (enters, children_to, leaf_bases) = stack.room();
     let planes = node.planes.as_ptr().cast::<f32>();
-    let ([fx, fy, fz], [lx, ly, lz]) = (ray.first, ray.last);
-    // SAFETY: `prepare` makes offsets of whole rows of 16 within the planes and of words within the orders; rows are
-    // aligned to 64 bytes. The stack has room for sixteen of each kind, all of which are written before it grows.
+    let [ux, uy, uz] = ray.upper.map(|upper| upper.min(UPPER) as usize);
+    let backwards = (ray.backwards & 1) as usize;
+    let order = (ray.order & 6) as usize;
+    let far = UPPER as usize;
+    // SAFETY: offsets are those of whole rows of 16 within the planes and of words within the orders; rows are aligned to 64
+    // bytes. The stack has room for sixteen of each kind, all of which are written before it grows.
     unsafe {
-        let enter_x = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(fx)), ray.enter_from[0]), ray.inv[0]);
-        let enter_y = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(fy)), ray.enter_from[1]), ray.inv[1]);
-        let enter_z = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(fz)), ray.enter_from[2]), ray.inv[2]);
-        let leave_x = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(lx)), ray.leave_from[0]), ray.inv[0]);
-        let leave_y = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(ly)), ray.leave_from[1]), ray.inv[1]);
-        let leave_z = _mm512_mul_ps(_mm512_sub_ps(_mm512_load_ps(planes.add(lz)), ray.leave_from[2]), ray.inv[2]);
+        let near_x = _mm512_load_ps(planes.add(ux));
+        let near_y = _mm512_load_ps(planes.add(WIDTH + uy));
+        let near_z = _mm512_load_ps(planes.add(2 * WIDTH + uz));
+        let far_x = _mm512_load_ps(planes.add(far - ux));
+        let far_y = _mm512_load_ps(planes.add(WIDTH + far - uy));
+        let far_z = _mm512_load_ps(planes.add(2 * WIDTH + far - uz));
+        let inv = [_mm512_set1_ps(ray.inv[0]), _mm512_set1_ps(ray.inv[1]), _mm512_set1_ps(ray.inv[2])];
+        let enter_x = _mm512_mul_ps(_mm512_sub_ps(near_x, _mm512_set1_ps(ray.enter_from[0])), inv[0]);
+        let enter_y = _mm512_mul_ps(_mm512_sub_ps(near_y, _mm512_set1_ps(ray.enter_from[1])), inv[1]);
+        let enter_z = _mm512_mul_ps(_mm512_sub_ps(near_z, _mm512_set1_ps(ray.enter_from[2])), inv[2]);
+        let leave_x = _mm512_mul_ps(_mm512_sub_ps(far_x, _mm512_set1_ps(ray.leave_from[0])), inv[0]);
+        let leave_y = _mm512_mul_ps(_mm512_sub_ps(far_y, _mm512_set1_ps(ray.leave_from[1])), inv[1]);
+        let leave_z = _mm512_mul_ps(_mm512_sub_ps(far_z, _mm512_set1_ps(ray.leave_from[2])), inv[2]);
         let entered = _mm512_max_ps(_mm512_max_ps(enter_x, enter_y), _mm512_max_ps(enter_z, _mm512_setzero_ps()));
         let left = _mm512_min_ps(_mm512_min_ps(leave_x, leave_y), leave_z);
         let left = _mm512_min_ps(_mm512_mul_ps(left, _mm512_set1_ps(GROWTH)), _mm512_set1_ps(limit));
-        let order = node.orders.as_ptr().cast::<i32>().add(ray.order);
-        let low = _mm512_set1_epi32(*order.add(ray.halves[0]));
-        let both = _mm512_mask_set1_epi32(low, 0xff00, *order.add(ray.halves[1]));
-        let slots = _mm512_srlv_epi32(both, ray.shifts);
+        let words = node.orders.as_ptr().cast::<i32>().add(order);
+        let first = _mm512_set1_epi32(*words.add(backwards));
+        let both = _mm512_mask_set1_epi32(first, 0xff00, *words.add(1 - backwards));
+        let shifts = _mm512_load_si512(SHIFTS.0[backwards].as_ptr().cast());
+        let slots = _mm512_srlv_epi32(both, shifts);
         let entered = _mm512_permutexvar_ps(slots, entered);
         let left = _mm512_permutexvar_ps(slots, left);
         let children = _mm512_permutexvar_epi32(slots, _mm512_load_si512(node.children.as_ptr().cast()));
         let met = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(entered, left);
         _mm512_storeu_ps(enters, _mm512_maskz_compress_ps(met, entered));
-        _mm512_storeu_si512(words.cast(), _mm512_maskz_compress_epi32(met, children));
+        _mm512_storeu_si512(children_to.cast(), _mm512_maskz_compress_epi32(met, children));
         _mm512_storeu_si512(leaf_bases.cast(), _mm512_set1_epi32(node.leaf_base as i32));
         stack.grow(met.count_ones() as usize);
     }

@@ -2,20 +2,52 @@
 
 use super::super::block::Block;
 use super::super::slab::SlabRay;
-use super::node::WideNode;
+use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use crate::math::triangle::ShearedRay;
 
+/// A ray as the test of a node's boxes wants it. Small, since many may be in flight: kernels spread its numbers as they load them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BoxRay {
+    /// See [`SlabRay::enter_from`].
+    pub enter_from: [f32; 3],
+    /// See [`SlabRay::leave_from`].
+    pub leave_from: [f32; 3],
+    /// See [`SlabRay::inv`].
+    pub inv: [f32; 3],
+    /// Among the rows of planes, counted in numbers: how far behind the row of an axis' lower ends that of the ends lies where
+    /// boxes are entered; 0 or [`UPPER`].
+    pub upper: [u32; 3],
+    /// Among the words of a node's orders (two each), where the order against this octant begins, the farthest child first.
+    pub order: u32,
+    /// 1 where the order has to be read backwards, else 0.
+    pub backwards: u32,
+}
+
+/// From a row of lower ends to that of upper ends, in numbers.
+pub const UPPER: u32 = 3 * WIDTH as u32;
+
+impl BoxRay {
+    /// Prepares a ray in place.
+    #[inline(always)]
+    pub fn set(&mut self, slab: &SlabRay) {
+        let octant = slab.octant as u32;
+        let ahead = u32::from(octant < 4);
+        for axis in 0..3 {
+            self.enter_from[axis] = slab.enter_from[axis];
+            self.leave_from[axis] = slab.leave_from[axis];
+            self.inv[axis] = slab.inv[axis];
+            self.upper[axis] = (octant >> axis & 1) * UPPER;
+        }
+        self.order = 2 * if ahead == 1 { octant } else { 7 - octant };
+        self.backwards = ahead;
+    }
+}
+
 /// The two inner loops.
 pub trait Kernel: Copy {
-    /// A ray as the box test wants it.
-    type Ray: Copy;
-
-    /// Prepares a ray.
-    fn prepare(self, slab: &SlabRay) -> Self::Ray;
-
     /// Puts those children of a node on the stack that the ray enters up to `limit`: the first that it passes on top.
-    fn open(self, ray: &Self::Ray, node: &WideNode, limit: f32, stack: &mut Stack);
+    fn open(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack);
 
     /// Which of a leaf block's triangles but the `barred` ones the ray may meet, the first in the lowest bit: at least all that
     /// it does. The block's words reach 64 words beyond its end.

@@ -12,6 +12,7 @@ mod avx512;
 pub mod collapse;
 mod kernel;
 pub mod node;
+pub mod packet;
 mod prefetch;
 mod scalar;
 mod stack;

@@ -1,8 +1,8 @@
 //! The kernel in plain code.
 
 use super::super::block::Block;
-use super::super::slab::SlabRay;
-use super::kernel::Kernel;
+use super::super::slab::GROWTH;
+use super::kernel::{BoxRay, Kernel};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use crate::math::triangle::ShearedRay;
@@ -12,27 +12,25 @@ use crate::math::triangle::ShearedRay;
 pub struct Scalar;
 
 impl Kernel for Scalar {
-    type Ray = SlabRay;
-
-    fn prepare(self, slab: &SlabRay) -> SlabRay {
-        *slab
-    }
-
     #[inline]
-    fn open(self, slab: &Self::Ray, node: &WideNode, limit: f32, stack: &mut Stack) {
-        let (mut enter, mut leave) = ([0.0f32; WIDTH], [limit; WIDTH]);
+    fn open(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
+        let (mut enter, mut leave) = ([0.0f32; WIDTH], [f32::INFINITY; WIDTH]);
         for axis in 0..3 {
             let (lo, hi) = (&node.planes[axis], &node.planes[axis + 3]);
-            let (first, last) = if slab.is_negative(axis) { (hi, lo) } else { (lo, hi) };
+            let (first, last) = if ray.upper[axis] > 0 { (hi, lo) } else { (lo, hi) };
             for i in 0..WIDTH {
-                let (a, b) = (slab.enter(axis, first[i]), slab.leave(axis, last[i]));
+                let a = (first[i] - ray.enter_from[axis]) * ray.inv[axis];
+                let b = (last[i] - ray.leave_from[axis]) * ray.inv[axis];
                 enter[i] = if a > enter[i] { a } else { enter[i] };
                 leave[i] = if b < leave[i] { b } else { leave[i] };
             }
         }
-        for i in (0..WIDTH).rev() {
-            let slot = node.slot(slab.octant, i);
-            if enter[slot] <= leave[slot] {
+        let order = node.orders[ray.order as usize / 2];
+        for i in 0..WIDTH {
+            let place = if ray.backwards == 1 { WIDTH - 1 - i } else { i };
+            let slot = (order >> (4 * place)) as usize & 15;
+            let left = leave[slot] * GROWTH;
+            if enter[slot] <= left && enter[slot] <= limit {
                 stack.push(enter[slot], node.children[slot], node.leaf_base);
             }
         }

@@ -4,7 +4,7 @@ use super::super::batch::NO_TRIANGLE;
 use super::super::block::Block;
 use super::super::slab::SlabRay;
 use super::WideTree;
-use super::kernel::Kernel;
+use super::kernel::{BoxRay, Kernel};
 use super::node::{Child, WideNode};
 use super::stack::{Stack, Waiting};
 use crate::math::triangle::{Nearest, ShearedRay};
@@ -16,6 +16,7 @@ pub struct Walk<K: Kernel> {
     kernel: K,
     sheared: ShearedRay,
     slab: SlabRay,
+    boxes: BoxRay,
     /// Triangles that the ray may not meet.
     barred: [u32; 2],
     nearest: Nearest,
@@ -45,11 +46,10 @@ impl<K: Kernel> Walk<K> {
         mut accept: impl FnMut(&Hit) -> bool,
     ) -> Option<Hit> {
         tree.nodes.first()?;
-        let prepared = self.kernel.prepare(&self.slab);
         let mut child = Child::Node(0);
         loop {
             match child {
-                Child::Node(at) => self.kernel.open(&prepared, &tree.nodes[at as usize], self.limit, stack),
+                Child::Node(at) => self.kernel.open(&self.boxes, &tree.nodes[at as usize], self.limit, stack),
                 Child::Leaf(leaf) => {
                     for block in tree.leaves.blocks(leaf) {
                         if self.test_block(block, &mut accept) && ANY {
@@ -78,13 +78,22 @@ impl<K: Kernel> Walk<K> {
         let sheared =
             ShearedRay { origin: [0.0; 3], axes: [0, 1, 2], shear_x: 0.0, shear_y: 0.0, dir_z: 1.0, inv_dir_z: 1.0 };
         let nearest = Nearest { t: 0.0, hit: None };
-        Self { kernel, sheared, slab: SlabRay::default(), barred: [NO_TRIANGLE; 2], nearest, limit: 0.0 }
+        Self {
+            kernel,
+            sheared,
+            slab: SlabRay::default(),
+            boxes: BoxRay::default(),
+            barred: [NO_TRIANGLE; 2],
+            nearest,
+            limit: 0.0,
+        }
     }
 
     /// Before the first node, with a ray.
     #[inline(always)]
     pub fn begin(&mut self, ray: &Ray, barred: [u32; 2]) {
         self.slab.set(ray);
+        self.boxes.set(&self.slab);
         self.sheared = ShearedRay::new(ray);
         self.barred = barred;
         self.nearest = Nearest::new(ray);
@@ -94,7 +103,7 @@ impl<K: Kernel> Walk<K> {
     /// Puts those children of a node on the stack that the ray enters.
     #[inline(always)]
     pub fn open(&self, node: &WideNode, stack: &mut Stack) {
-        self.kernel.open(&self.kernel.prepare(&self.slab), node, self.limit, stack);
+        self.kernel.open(&self.boxes, node, self.limit, stack);
     }
 
     /// What was found.

@@ -5,7 +5,7 @@ use super::super::block::{self, Block, words_of};
 use super::super::bounds::Bounds;
 use super::super::slab::SlabRay;
 use super::super::split::mix;
-use super::kernel::Kernel;
+use super::kernel::{BoxRay, Kernel};
 use super::node::{WIDTH, WideNode};
 use super::scalar::Scalar;
 use super::stack::{Stack, Waiting};
@@ -74,7 +74,8 @@ fn check(kernel: impl Kernel) -> u32 {
     let mut vain = 0;
     for i in 0..2000 {
         let (node, ray) = (node(&mut random), random.ray(i));
-        let slab = SlabRay::new(&ray);
+        let mut boxes = BoxRay::default();
+        boxes.set(&SlabRay::new(&ray));
         let limit = if i.is_multiple_of(3) { 0.5 } else { f32::INFINITY };
         let opened = |open: &mut dyn FnMut(&mut Stack)| {
             Stack::with(|stack| {
@@ -82,8 +83,8 @@ fn check(kernel: impl Kernel) -> u32 {
                 std::iter::from_fn(|| Some(stack.pop()).filter(|top| !top.enter.is_nan())).collect::<Vec<Waiting>>()
             })
         };
-        let expected = opened(&mut |stack| Scalar.open(&Scalar.prepare(&slab), &node, limit, stack));
-        let found = opened(&mut |stack| kernel.open(&kernel.prepare(&slab), &node, limit, stack));
+        let expected = opened(&mut |stack| Scalar.open(&boxes, &node, limit, stack));
+        let found = opened(&mut |stack| kernel.open(&boxes, &node, limit, stack));
         // Boxes that are entered just where the ray ends may be on one list alone.
         let certain = |entries: &[Waiting]| -> Vec<Waiting> {
             entries.iter().copied().filter(|w| !close(w.enter, limit)).collect()
