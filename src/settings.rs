@@ -53,9 +53,11 @@ pub enum SamplerKind {
 #[serde(rename_all = "lowercase")]
 #[value(rename_all = "lowercase")]
 pub enum Integrator {
-    /// Path tracing, unbiased.
+    /// Path tracing, unbiased: thousands of paths side by side.
     #[default]
     Path,
+    /// The same paths one after the other: slower, and the same picture but for rounding.
+    Plain,
     /// Whitted's ray tracing as in the course tracers of `.ray` scenes: no light but from lights, mirrors and glass.
     Whitted,
 }

@@ -11,7 +11,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("lanes", &["math"]),
     ("settings", &["math"]),
     ("geometry", &["math"]),
-    ("sampling", &["lanes", "settings"]),
+    ("sampling", &["lanes", "math", "settings"]),
     ("shading", &["lanes", "math"]),
     ("film", &["sampling"]),
     ("lighting", &["geometry", "lanes", "math", "sampling", "settings"]),

@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use kiln::formats::scene::{ColorInput, MetalRough, ScalarInput, Surface, Volume};
 use kiln::integrate::{Cause, PathEvent, View, replay};
 use kiln::prepare::{EnvironmentSource, PreparedScene, prepare};
-use kiln::settings::{PrepareSettings, RenderSettings};
+use kiln::settings::{Integrator, PrepareSettings, RenderSettings};
 use kiln::{Control, Scene};
 
 fn prepared(scene: &Scene) -> PreparedScene {
@@ -41,18 +41,24 @@ fn still_life() -> (Scene, View) {
 }
 
 #[test]
-fn a_replayed_path_has_the_bits_of_the_picture() {
+fn a_replayed_path_is_that_of_the_picture() {
     let (scene, view) = still_life();
-    let settings = RenderSettings { spp: 1, seed: 7, ..RenderSettings::default() };
     let world = EnvironmentSource::Constant([0.5; 3]);
-    let rendered = shoot(&scene, &world, &PrepareSettings::default(), &settings, &view);
     let prepared = prepared(&scene);
-    for y in 0..view.height {
-        for x in 0..view.width {
-            let trace = replay(&prepared, &view, &settings, [x, y], 0);
-            let pixel = rendered.picture.pixels[(y * view.width + x) as usize];
-            assert_eq!(trace.radiance.to_array(), pixel[..3], "pixel {x}, {y}");
-            assert_eq!(trace.cause, None);
+    for integrator in [Integrator::Plain, Integrator::Path] {
+        let settings = RenderSettings { spp: 1, seed: 7, integrator, ..RenderSettings::default() };
+        let rendered = shoot(&scene, &world, &PrepareSettings::default(), &settings, &view);
+        for y in 0..view.height {
+            for x in 0..view.width {
+                let trace = replay(&prepared, &view, &settings, [x, y], 0);
+                let pixel = Vec3::from_slice(&rendered.picture.pixels[(y * view.width + x) as usize][..3]);
+                match integrator {
+                    Integrator::Plain => assert_eq!(trace.radiance, pixel, "pixel {x}, {y}"),
+                    // Glass spheres magnify what rounding makes of a direction.
+                    _ => assert!((trace.radiance - pixel).length() <= 1e-3 * pixel.length()),
+                }
+                assert_eq!(trace.cause, None);
+            }
         }
     }
 }
@@ -62,8 +68,8 @@ fn contributions_of_a_replayed_path_add_up_to_its_radiance() {
     let (scene, view) = still_life();
     let prepared = prepared(&scene);
     let mut kinds = std::collections::BTreeSet::new();
-    for sample in 0..256 {
-        let trace = replay(&prepared, &view, &RenderSettings::default(), [sample % 16, sample / 16], sample);
+    for sample in 0..1024 {
+        let trace = replay(&prepared, &view, &RenderSettings::default(), [sample % 16, sample / 16 % 16], sample);
         let mut sum = Vec3::ZERO;
         for event in &trace.events {
             kinds.insert(serde_json::to_value(event).expect("JSON")["event"].to_string());

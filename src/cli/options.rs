@@ -137,7 +137,7 @@ impl SettingOptions {
         let width = self.width.or_else(|| of_file(|f| f.size.0)).unwrap_or(views.width);
         let height = self.height.or_else(|| of_file(|f| f.size.1)).unwrap_or(width);
         let depth = match self.integrator {
-            Integrator::Path => RenderSettings::default().max_depth,
+            Integrator::Path | Integrator::Plain => RenderSettings::default().max_depth,
             // What the course's checker runs with.
             Integrator::Whitted => 5,
         };

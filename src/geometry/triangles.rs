@@ -24,6 +24,8 @@ pub struct Part {
 pub struct Geometry {
     positions: Vec<Vec3>,
     corners: Vec<[u32; 3]>,
+    /// Unit normals on the front.
+    normals: Vec<Vec3>,
     /// Index of each triangle within its mesh.
     local: Vec<u32>,
     part_of: Vec<u32>,
@@ -54,6 +56,7 @@ impl Geometry {
         let mut all = Self {
             positions: Vec::with_capacity(vertices),
             corners: Vec::with_capacity(triangles),
+            normals: Vec::with_capacity(triangles),
             local: Vec::with_capacity(triangles),
             part_of: Vec::with_capacity(triangles),
             ..Self::default()
@@ -88,6 +91,7 @@ impl Geometry {
                 // Double precision: products of f32 differences cannot underflow to zero there.
                 if normal.is_finite() && normal != DVec3::ZERO {
                     all.corners.push(corners);
+                    all.normals.push((normal * f64::from(winding)).normalize().as_vec3());
                     all.local.push(k as u32);
                     all.part_of.push(all.parts.len() as u32);
                 } else {
@@ -118,6 +122,11 @@ impl Geometry {
     pub fn front_normal(&self, triangle: u32) -> DVec3 {
         let [a, b, c] = self.corners(triangle).map(Vec3::as_dvec3);
         (b - a).cross(c - a) * f64::from(self.part(triangle).winding)
+    }
+
+    /// Unit normal on the front of a triangle.
+    pub fn unit_normal(&self, triangle: u32) -> Vec3 {
+        self.normals[triangle as usize]
     }
 
     /// The placement that a triangle belongs to.

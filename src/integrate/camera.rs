@@ -1,4 +1,5 @@
 use crate::geometry::WorldFrame;
+use crate::lanes::{Floats, V3};
 use glam::{DVec3, Vec3};
 use kiln_formats::scene::{Camera, Projection};
 
@@ -39,5 +40,40 @@ impl RayCamera {
         };
         let skipped = (-origin.dot(dir) - BEYOND_SCENE).max(0.0);
         ((origin + dir * skipped).as_vec3(), dir.as_vec3())
+    }
+}
+
+/// Within this distance of the origin of the rays' frame, `f32` is fine enough for a camera, too.
+const NEAR: f64 = 4.0;
+
+/// A perspective camera that is near enough for `f32`: for rays in lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearCamera {
+    origin: Vec3,
+    forward: Vec3,
+    right: Vec3,
+    up: Vec3,
+}
+
+impl RayCamera {
+    /// The camera for lanes, if it is one.
+    pub(super) fn near(&self) -> Option<NearCamera> {
+        (self.projection == Projection::Perspective && self.origin.length() < NEAR).then(|| NearCamera {
+            origin: self.origin.as_vec3(),
+            forward: self.forward.as_vec3(),
+            right: self.right.as_vec3(),
+            up: self.up.as_vec3(),
+        })
+    }
+}
+
+impl NearCamera {
+    /// Origins and unit directions of the rays through picture points in [0, 1]², as [`RayCamera::ray`].
+    #[inline(always)]
+    pub(super) fn rays<F: Floats>(&self, x: F, y: F) -> (V3<F>, V3<F>) {
+        let splat = |v: Vec3| V3::new(x.fill(v.x), x.fill(v.y), x.fill(v.z));
+        let (across, above) = (x * 2.0 - 1.0, x.fill(1.0) - y * 2.0);
+        let dir = splat(self.forward) + splat(self.right) * across + splat(self.up) * above;
+        (splat(self.origin), dir.normalized())
     }
 }

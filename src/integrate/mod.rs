@@ -1,6 +1,7 @@
 //! Light transport: from a prepared scene and a view to a film.
 
 mod camera;
+mod direct;
 mod dropped;
 mod medium;
 mod path;
@@ -9,6 +10,8 @@ mod replay;
 mod tile;
 mod trace;
 mod vertex;
+mod walk;
+mod wave;
 mod whitted;
 
 use crate::film::{Film, Picture};
@@ -17,6 +20,7 @@ use crate::settings::{Integrator, RenderSettings};
 use camera::RayCamera;
 use cpu_time::ThreadTime;
 pub use dropped::{Dropped, DroppedSample};
+use glam::Vec3;
 use kiln_formats::scene::Camera;
 use kiln_formats::{Control, Stopped};
 use rayon::prelude::*;
@@ -25,6 +29,7 @@ pub use replay::{PathTrace, replay};
 use std::ops::Range;
 pub use tile::PassTally;
 use tile::Tile;
+use walk::Course;
 
 /// What a picture shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,14 +127,22 @@ pub fn render_pass(
     }
     debug_assert_eq!((film.spp, film.width, film.height), (samples.start, view.width, view.height));
     let camera = RayCamera::new(&view.camera, &scene.frame);
+    let course = Course::new(scene, settings, view);
+    let memories = wave::Memories::default();
     let before = &*film;
     let tiles = Tile::corners(before)
         .par_iter()
         .with_max_len(1)
         .map(|corner| {
+            let clock = ThreadTime::now();
             let mut tile = Tile::of(before, *corner, settings.clamp);
-            render_tile(scene, view, &camera, settings, &mut tile, samples.clone(), control)?;
+            if settings.integrator == Integrator::Plain {
+                render_tile(&course, view, &camera, &mut tile, samples.clone(), control)?;
+            } else {
+                wave::render_tile(&course, view, &camera, &memories, &mut tile, samples.clone(), control)?;
+            }
             tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
+            tile.tally.cpu_seconds += clock.elapsed().as_secs_f64();
             Ok(tile)
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -141,16 +154,20 @@ pub fn render_pass(
     Ok(tally)
 }
 
+/// Origin and unit direction of the ray through a point within a pixel.
+fn camera_ray(view: &View, camera: &RayCamera, [x, y]: [u32; 2], [dx, dy]: [f32; 2]) -> (Vec3, Vec3) {
+    let across = |at: u32, within: f32, size: u32| (f64::from(at) + f64::from(within)) / f64::from(size);
+    camera.ray(across(x, dx, view.width), across(y, dy, view.height))
+}
+
 fn render_tile(
-    scene: &PreparedScene,
+    course: &Course,
     view: &View,
     camera: &RayCamera,
-    settings: &RenderSettings,
     tile: &mut Tile,
     samples: Range<u32>,
     control: &Control,
 ) -> Result<(), Stopped> {
-    let clock = ThreadTime::now();
     for pixel in 0..tile.width * tile.height {
         let (x, y) = (tile.x + pixel % tile.width, tile.y + pixel / tile.width);
         for sample in samples.clone() {
@@ -159,11 +176,10 @@ fn render_tile(
                 control.check()?;
             }
             let rays = &mut tile.tally.rays;
-            let path = replay::follow(scene, view, camera, settings, ([x, y], sample), rays, &mut ());
+            let path = replay::follow(course, view, camera, ([x, y], sample), rays, &mut ());
             tile.add(pixel as usize, sample, path.radiance, path.covered);
         }
         control.advance(u64::from(samples.end - samples.start));
     }
-    tile.tally.cpu_seconds += clock.elapsed().as_secs_f64();
     Ok(())
 }

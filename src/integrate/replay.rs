@@ -3,7 +3,8 @@
 use super::camera::RayCamera;
 use super::path::{PathResult, trace_path};
 use super::record::{PathEvent, Recorder, cause_of};
-use super::{Cause, RayCounts, View};
+use super::walk::Course;
+use super::{Cause, RayCounts, View, camera_ray};
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::RenderSettings;
@@ -29,7 +30,8 @@ pub struct PathTrace {
     pub cause: Option<Cause>,
 }
 
-/// Follows the path of one sample again: the same bits as in the picture. `settings.spp` does not matter.
+/// Follows the path of one sample again, as the plain integrator does: the same bits as in its picture, and but for rounding
+/// those of the wavefront. `settings.spp` does not matter.
 pub fn replay(
     scene: &PreparedScene,
     view: &View,
@@ -39,24 +41,23 @@ pub fn replay(
 ) -> PathTrace {
     let camera = RayCamera::new(&view.camera, &scene.frame);
     let mut events = Vec::new();
-    let path = follow(scene, view, &camera, settings, (pixel, sample), &mut RayCounts::default(), &mut events);
+    let course = Course::new(scene, settings, view);
+    let path = follow(&course, view, &camera, (pixel, sample), &mut RayCounts::default(), &mut events);
     let cause = (!path.radiance.is_finite()).then(|| cause_of(&events));
     PathTrace { pixel, sample, seed: settings.seed, events, radiance: path.radiance, covered: path.covered, cause }
 }
 
 /// The path of a pixel's sample.
 pub(super) fn follow(
-    scene: &PreparedScene,
+    course: &Course,
     view: &View,
     camera: &RayCamera,
-    settings: &RenderSettings,
     (pixel, sample): ([u32; 2], u32),
     rays: &mut RayCounts,
     recorder: &mut impl Recorder,
 ) -> PathResult {
+    let settings = course.settings;
     let mut sampler = PathSampler::new(settings.sampler, settings.seed, pixel, sample);
-    let [dx, dy] = sampler.get_2d(0, Purpose::Pixel);
-    let across = |at: u32, within: f32, size: u32| (f64::from(at) + f64::from(within)) / f64::from(size);
-    let ray = camera.ray(across(pixel[0], dx, view.width), across(pixel[1], dy, view.height));
-    trace_path(scene, settings, &mut sampler, ray, view.show_environment, rays, recorder)
+    let ray = camera_ray(view, camera, pixel, sampler.get_2d(0, Purpose::Pixel));
+    trace_path(course, &mut sampler, ray, rays, recorder)
 }

@@ -32,7 +32,7 @@ impl Asker {
 }
 
 /// Whether a surface stops a ray: culling, and coverage by a number that belongs to (path, vertex, triangle).
-fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
+pub(super) fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
     if asker.leaves == Some(hit.triangle) {
         return false;
     }

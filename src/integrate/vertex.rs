@@ -5,12 +5,12 @@ use crate::math::Frame;
 use crate::math::Hit;
 use crate::math::float_error::{gamma, offset_point};
 use crate::prepare::PreparedScene;
-use crate::shading::{Bsdf, MetalRoughParams, PhongParams};
+use crate::shading::{Bsdf, MetalRoughParams, PhongParams, RoughLobes};
 use glam::Vec3;
 use kiln_formats::scene::{Material, MaterialId, NormalMap, Phong, Surface};
 
-/// The least cosine between the viewer and a shading normal that leans away from him: beyond it the normal is bent back,
-/// since a viewer below the shading horizon would see black (numerics: clamp to the visible side).
+/// The least cosine between the viewer and a shading normal: beyond it the normal is bent back, since a viewer below
+/// the shading horizon would see black (numerics: clamp to the visible side).
 const LEAST_COSINE: f32 = 0.02;
 
 /// A point on a surface, seen from one side.
@@ -33,7 +33,7 @@ impl Place {
         let geometry = &prepared.geometry;
         let corners = geometry.corners(hit.triangle);
         let [p0, p1, p2] = [corners[0] * (1.0 - hit.b1 - hit.b2), corners[1] * hit.b1, corners[2] * hit.b2];
-        let outward = geometry.front_normal(hit.triangle).try_normalize()?.as_vec3();
+        let outward = geometry.unit_normal(hit.triangle);
         let front = dir.dot(outward) < 0.0;
         // The point is rounded, and so is where the next ray will seem to meet a neighbour in the same plane: within
         // 15 u of the neighbour's size (`kdtree::slab`), for which this triangle's stands.
@@ -68,6 +68,22 @@ pub(super) struct Vertex {
     frame: Frame,
     wo_local: Vec3,
     pub bsdf: Bsdf,
+}
+
+/// What lanes have to know of a vertex that scatters diffusely or by rough reflection.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RoughVertex {
+    /// Where what is reflected starts.
+    pub point: Vec3,
+    /// How far off the surface rays have to start, along each axis.
+    pub error: Vec3,
+    /// Unit geometric normal on the viewer's side.
+    pub normal: Vec3,
+    /// Unit shading normal.
+    pub shading: Vec3,
+    /// Whether `point` is above the triangle.
+    pub lifted: bool,
+    pub lobes: RoughLobes,
 }
 
 /// A direction of scattering at a vertex.
@@ -111,6 +127,13 @@ impl Vertex {
     /// The shading normal on the viewer's side.
     pub(super) fn shading_normal(&self) -> Vec3 {
         self.frame.z
+    }
+
+    /// The vertex for lanes, if they know its lobes.
+    pub(super) fn rough(&self) -> Option<RoughVertex> {
+        let Place { error, normal, .. } = self.place;
+        let (point, shading, lifted) = (self.point, self.frame.z, self.lifted);
+        self.bsdf.rough().map(|lobes| RoughVertex { point, error, normal, shading, lifted, lobes })
     }
 
     /// Direction to the viewer in the shading frame.
@@ -168,16 +191,15 @@ fn lift(prepared: &PreparedScene, place: &Place, b: [f32; 3]) -> Vec3 {
     lift
 }
 
-/// The shading normal on the viewer's side of the surface, bent towards the viewer where he would be below its horizon.
-/// A viewer who sees the face itself at a grazing angle sees it so: the face's own normal is never bent.
+/// The shading normal on the viewer's side of the surface, bent towards the viewer where he would be below its
+/// horizon.
 fn visible_normal(shading: Vec3, normal: Vec3, wo: Vec3) -> Vec3 {
     let shading = if shading.dot(normal) < 0.0 { -shading } else { shading };
     let cosine = shading.dot(wo);
-    let least = LEAST_COSINE.min(normal.dot(wo));
-    if cosine >= least {
+    if cosine >= LEAST_COSINE {
         return shading;
     }
-    (shading + wo * (least - cosine)).try_normalize().filter(|n| n.dot(wo) > 0.0).unwrap_or(normal)
+    (shading + wo * (LEAST_COSINE - cosine)).try_normalize().filter(|n| n.dot(wo) > 0.0).unwrap_or(normal)
 }
 
 /// Perturbed normal from a tangent-space map: glTF's `normalize(sampled · vec3(scale, scale, 1))` in the basis of

@@ -6,7 +6,8 @@
 //! ([`functions`]). So all tiers give the same bits, which `tests` check.
 //!
 //! Code in lanes is generic over [`Lanes`], every function `#[inline(always)]`, and entered through [`AnyLanes::run`]: only
-//! there the instructions are switched on, and what is not inlined into it would be compiled without them.
+//! there the instructions are switched on, and what is not inlined into it would be compiled without them: slow code, every
+//! instruction a call. Closures cannot be marked; they must be small, or be functions.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -1,9 +1,11 @@
 //! From the scene IR to what rays meet: triangles in one frame, lights, kd-tree.
 
 pub mod kdtree;
+mod parts;
 mod physical;
 
 use crate::geometry::{Geometry, WorldFrame, world_bounds};
+use crate::lanes::AnyLanes;
 pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
 use crate::math::simd::SimdTier;
@@ -13,6 +15,7 @@ use glam::{DVec3, Vec3};
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::scene::{AlphaMode, Material, Surface};
 use kiln_formats::{Control, Scene, Stopped};
+pub(crate) use parts::{PartWay, Way};
 use std::time::Instant;
 
 /// Seconds that parts of the preparation took.
@@ -58,6 +61,16 @@ pub struct PreparedScene {
     pub(crate) filters: Vec<Filters>,
     /// Whether any material filters at all.
     pub(crate) filtered: bool,
+    /// Whether coverage of any material may be below 1.
+    pub(crate) covers: bool,
+    /// Whether camera rays pass through the back of any material.
+    pub(crate) culls: bool,
+    /// Whether any light shines through bodies that tint it.
+    pub(crate) tints: bool,
+    /// For each part of the geometry, how it is shaded.
+    pub(crate) ways: Vec<PartWay>,
+    /// The instructions that shading uses.
+    pub(crate) lanes: AnyLanes,
 }
 
 impl PreparedScene {
@@ -152,6 +165,11 @@ pub fn prepare(
         emitters: lights.count() as u64,
         times,
         filtered: filters.iter().any(|f| f.coverage || f.culled || f.tints),
+        covers: filters.iter().any(|f| f.coverage),
+        culls: filters.iter().any(|f| f.culled),
+        tints: filters.iter().any(|f| f.tints) && scene.lights.iter().any(|l| l.through_glass),
+        ways: parts::ways(&scene, &geometry),
+        lanes: AnyLanes::new(tier(settings.simd)),
         scene,
         frame,
         geometry,

@@ -4,7 +4,7 @@ pub fn hash_combine(key: u32, word: u32) -> u32 {
     pcg(pcg(word).wrapping_add(key.rotate_left(5)) ^ key)
 }
 
-fn pcg(x: u32) -> u32 {
+pub(super) fn pcg(x: u32) -> u32 {
     let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     (word >> 22) ^ word

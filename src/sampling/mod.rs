@@ -6,11 +6,13 @@
 //! replicates is an honest measure of a pixel's error.
 
 mod hash;
+mod lanes;
 mod sequential;
 mod sobol;
 
 use crate::settings::SamplerKind;
 pub use hash::{hash_combine, unit_float};
+pub use lanes::PathSamplers;
 
 /// Independent randomisations per pixel.
 pub const REPLICATES: u32 = 4;
@@ -48,6 +50,16 @@ impl Purpose {
     }
 }
 
+fn seed_key(seed: u64) -> u32 {
+    hash_combine(seed as u32, (seed >> 32) as u32)
+}
+
+/// What is hashed for an address within a path.
+fn key_words(vertex: u32, purpose: Purpose) -> [u32; 2] {
+    let (what, which) = purpose.code();
+    [vertex.wrapping_mul(8).wrapping_add(what), which]
+}
+
 /// The random numbers of one camera path.
 #[derive(Clone, Copy, Debug)]
 pub struct PathSampler {
@@ -63,7 +75,7 @@ impl PathSampler {
     /// The numbers of sample `sample` (over all replicates) of `pixel` = (x, y).
     pub fn new(kind: SamplerKind, seed: u64, pixel: [u32; 2], sample: u32) -> Self {
         let (replicate, index) = (sample % REPLICATES, sample / REPLICATES);
-        let mut key = hash_combine(seed as u32, (seed >> 32) as u32);
+        let mut key = seed_key(seed);
         for word in [pixel[0], pixel[1], replicate] {
             key = hash_combine(key, word);
         }
@@ -71,16 +83,37 @@ impl PathSampler {
         Self { kind, key, index, state }
     }
 
+    /// Names (seed, pixel, replicate), for [`PathSamplers`].
+    pub fn key(&self) -> u32 {
+        self.key
+    }
+
+    /// Number of the point of the sequence, for [`PathSamplers`].
+    pub fn index(&self) -> u32 {
+        self.index
+    }
+
+    /// From a path's key and number of the point, for the samplers that are addressed.
+    pub fn addressed(kind: SamplerKind, key: u32, index: u32) -> Self {
+        Self { kind, key, index, state: 0 }
+    }
+
     fn key_of(&self, vertex: u32, purpose: Purpose) -> u32 {
-        let (what, which) = purpose.code();
-        hash_combine(hash_combine(self.key, vertex.wrapping_mul(8).wrapping_add(what)), which)
+        let [first, second] = key_words(vertex, purpose);
+        hash_combine(hash_combine(self.key, first), second)
+    }
+
+    fn independent(&self, vertex: u32, purpose: Purpose) -> u32 {
+        hash_combine(self.key_of(vertex, purpose), self.index)
     }
 
     /// One number in [0, 1).
     pub fn get_1d(&mut self, vertex: u32, purpose: Purpose) -> f32 {
         match self.kind {
-            SamplerKind::Sobol => sobol::sample_1d(self.index, self.key_of(vertex, purpose)),
-            SamplerKind::Pcg => unit_float(hash_combine(self.key_of(vertex, purpose), self.index)),
+            SamplerKind::Sobol if sobol::pays(vertex, purpose) => {
+                sobol::sample_1d(self.index, self.key_of(vertex, purpose))
+            }
+            SamplerKind::Sobol | SamplerKind::Pcg => unit_float(self.independent(vertex, purpose)),
             SamplerKind::Lcg => sequential::lcg(&mut self.state),
             SamplerKind::Xorshift32 => sequential::xorshift32(&mut self.state),
         }
@@ -89,9 +122,11 @@ impl PathSampler {
     /// Two numbers in [0, 1), well distributed together.
     pub fn get_2d(&mut self, vertex: u32, purpose: Purpose) -> [f32; 2] {
         match self.kind {
-            SamplerKind::Sobol => sobol::sample_2d(self.index, self.key_of(vertex, purpose)),
-            SamplerKind::Pcg => {
-                let first = hash_combine(self.key_of(vertex, purpose), self.index);
+            SamplerKind::Sobol if sobol::pays(vertex, purpose) => {
+                sobol::sample_2d(self.index, self.key_of(vertex, purpose))
+            }
+            SamplerKind::Sobol | SamplerKind::Pcg => {
+                let first = self.independent(vertex, purpose);
                 [unit_float(first), unit_float(hash_combine(first, 1))]
             }
             SamplerKind::Lcg => [sequential::lcg(&mut self.state), sequential::lcg(&mut self.state)],
@@ -104,7 +139,7 @@ impl PathSampler {
     /// One independent number in [0, 1), whatever the sampler: asking twice gives the same number, so it can be used
     /// inside a traversal that meets a triangle in several cells.
     pub fn fixed(&self, vertex: u32, purpose: Purpose) -> f32 {
-        unit_float(hash_combine(self.key_of(vertex, purpose), self.index))
+        unit_float(self.independent(vertex, purpose))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Owen-scrambled, shuffled Sobol' points, padded from one and two dimensions
 //! (Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)).
 
-use super::{hash_combine, unit_float};
+use super::{Purpose, hash_combine, unit_float};
 
 /// The first Sobol' dimension in bit-reversed form is the index itself; this is the second one, bit-reversed: the
 /// product of the index with Pascal's triangle modulo 2, in five steps (its matrix is a Kronecker power).
@@ -26,6 +26,13 @@ fn owen_reversed(mut x: u32, seed: u32) -> u32 {
 
 fn shuffled(index: u32, seed: u32) -> u32 {
     owen_reversed(index.reverse_bits(), seed).reverse_bits()
+}
+
+/// Whether well-distributed points pay for a number. Beyond a path's second vertex so many numbers have gone into it that
+/// independent ones are as good; but not for the choice of lobes and roulette, which alone decide where paths through glass
+/// go and end.
+pub(super) fn pays(vertex: u32, purpose: Purpose) -> bool {
+    vertex < 2 || matches!(purpose, Purpose::Lobe | Purpose::Roulette)
 }
 
 pub(super) fn sample_1d(index: u32, seed: u32) -> f32 {

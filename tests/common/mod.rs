@@ -1,6 +1,8 @@
 //! Small scenes in code, and statistics of rendered pictures.
 #![allow(dead_code)]
 
+pub mod everything;
+
 use glam::{DAffine3, DVec3};
 use kiln::formats::scene::{Camera, ColorInput, Instance, Material, Mesh, MetalRough, ScalarInput, Surface};
 use kiln::integrate::{Rendered, View, render};

@@ -1,0 +1,118 @@
+//! Light at a path's vertices, and how light samples and scattering share it (Veach 1997, section 9.2).
+
+use super::medium::Inside;
+use super::record::{PathEvent, Recorder};
+use super::trace::{Asker, visibility};
+use super::vertex::{Place, Vertex};
+use super::walk::{Company, Course, Sent};
+use crate::lanes::Floats;
+use crate::lighting::{LightReach, Receiver};
+use crate::prepare::PreparedScene;
+use crate::sampling::Purpose;
+use crate::settings::{RenderSettings, Strategy};
+use glam::Vec3;
+
+/// Which lights a strategy samples.
+pub(super) fn reach(strategy: Strategy) -> LightReach {
+    match strategy {
+        Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf => LightReach::Punctual,
+        Strategy::Mis => LightReach::Mis,
+        Strategy::Light => LightReach::All,
+    }
+}
+
+/// Light from light samples at the path's vertex number `depth`.
+pub(super) fn direct(
+    course: &Course,
+    depth: u32,
+    vertex: &Vertex,
+    inside: Inside,
+    with: &mut Company<impl Recorder>,
+) -> Vec3 {
+    let Course { prepared, settings, reach, .. } = *course;
+    let count = settings.light_samples.max(1);
+    let receiver = vertex.receiver();
+    let mut sum = Vec3::ZERO;
+    for k in 0..count {
+        let choice = with.sampler.get_1d(depth, Purpose::LightChoice(k));
+        let u = with.sampler.get_2d(depth, Purpose::LightPoint(k));
+        let Some(light) = prepared.lights.sample(&prepared.scene, &prepared.geometry, &receiver, reach, choice, u)
+        else {
+            continue;
+        };
+        let Some(outgoing) = vertex.towards(light.direction) else { continue };
+        let (value, bsdf_pdf) = vertex.bsdf.eval(vertex.wo_local(), outgoing.local);
+        if value == Vec3::ZERO {
+            continue;
+        }
+        with.rays.shadow += 1;
+        let asker = Asker { sampler: *with.sampler, vertex: depth + 1, draw: k + 1, leaves: None, eye: false };
+        let inside = if outgoing.local.z < 0.0 { inside.crossed(prepared, &vertex.place) } else { inside };
+        let visible = visibility(prepared, &asker, vertex, &outgoing, inside, &light);
+        let weight = match (light.pdf, settings.strategy) {
+            (Some(pdf), Strategy::Mis) => balance(pdf * count as f32, bsdf_pdf),
+            _ => 1.0,
+        };
+        let arriving = if visible == Vec3::ZERO { Vec3::ZERO } else { value * light.weight * visible * weight };
+        sum += arriving;
+        with.recorder.note(|| PathEvent::LightSample {
+            direction: light.direction,
+            pdf: light.pdf,
+            bsdf: value,
+            bsdf_pdf,
+            visible,
+            weight,
+            contribution: arriving / count as f32,
+        });
+    }
+    sum / count as f32
+}
+
+/// Veach's balance heuristic.
+pub(super) fn balance(pdf: f32, other: f32) -> f32 {
+    // Neither overflows in the sum nor divides infinities, as long as one of them is finite.
+    1.0 / (1.0 + other / pdf)
+}
+
+/// [`balance`] in lanes.
+#[inline(always)]
+pub(super) fn balance_lanes<F: Floats>(pdf: F, other: F) -> F {
+    pdf.fill(1.0) / (other / pdf + 1.0)
+}
+
+/// The share of emission found by scattering that light samples do not bring already.
+fn found_weight(settings: &RenderSettings, sent: &Sent, light_pdf: impl FnOnce(&Receiver) -> f32) -> f32 {
+    match (&sent.smooth, settings.strategy) {
+        (None, _) | (_, Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf) => 1.0,
+        (Some(_), Strategy::Light) => 0.0,
+        (Some((receiver, pdf)), Strategy::Mis) => {
+            let light = light_pdf(receiver) * settings.light_samples.max(1) as f32;
+            if light == 0.0 { 1.0 } else { balance(*pdf, light) }
+        }
+    }
+}
+
+pub(super) fn emission_weight(
+    prepared: &PreparedScene,
+    settings: &RenderSettings,
+    reach: LightReach,
+    sent: &Sent,
+    place: &Place,
+) -> f32 {
+    found_weight(settings, sent, |receiver| {
+        prepared.lights.pdf_triangle(&prepared.geometry, place.triangle, receiver, place.point, reach)
+    })
+}
+
+pub(super) fn environment(
+    prepared: &PreparedScene,
+    settings: &RenderSettings,
+    reach: LightReach,
+    sent: &Sent,
+    dir: Vec3,
+) -> Vec3 {
+    let Some(environment) = &prepared.lights.environment else { return Vec3::ZERO };
+    let uv = environment.locate(dir);
+    let weight = found_weight(settings, sent, |_| prepared.lights.pdf_environment(uv, reach));
+    if weight == 0.0 { Vec3::ZERO } else { environment.radiance_at(uv) * weight }
+}

@@ -1,0 +1,207 @@
+//! One step of a path, whoever follows it.
+
+use super::direct::{direct, emission_weight, environment, reach};
+use super::medium::Inside;
+use super::record::{PathEvent, Recorder};
+use super::vertex::{Outgoing, Place, Vertex};
+use super::{RayCounts, View};
+use crate::geometry::emission;
+use crate::lighting::{LightReach, Receiver};
+use crate::math::Hit;
+use crate::prepare::PreparedScene;
+use crate::sampling::{PathSampler, Purpose};
+use crate::settings::{RenderSettings, SamplerKind, Strategy};
+use crate::shading::{Baseline, BsdfSample};
+use glam::Vec3;
+
+/// Scattering events before Russian roulette begins.
+pub(super) const ROULETTE_AFTER: u32 = 5;
+/// The most that roulette lets a path survive by. Less than 1 would make paths between nearly white walls heavier with
+/// every bounce, without bound (and their variance infinite).
+pub(super) const MOST_SURVIVAL: f32 = 1.0;
+
+/// What all paths of a picture share.
+#[derive(Clone, Copy)]
+pub(super) struct Course<'a> {
+    pub prepared: &'a PreparedScene,
+    pub settings: &'a RenderSettings,
+    /// Which lights are sampled.
+    pub reach: LightReach,
+    /// Whether camera rays that hit nothing show the environment.
+    pub show_environment: bool,
+}
+
+/// What goes with a path, whoever follows it.
+pub(super) struct Company<'a, R> {
+    pub sampler: &'a mut PathSampler,
+    /// Light gathered so far.
+    pub radiance: &'a mut Vec3,
+    pub rays: &'a mut RayCounts,
+    pub recorder: &'a mut R,
+}
+
+/// How the last vertex sent the path on.
+#[derive(Clone, Copy)]
+pub(super) struct Sent {
+    /// The vertex as a receiver of light, and the solid angle density of the ray's direction; `None` for the camera and
+    /// delta lobes, whose directions nothing else can sample.
+    pub smooth: Option<(Receiver, f32)>,
+}
+
+/// Where a path is on its way, and what it carries.
+#[derive(Clone, Copy)]
+pub(super) struct Walk {
+    /// Where its ray begins.
+    pub origin: Vec3,
+    /// Unit vector along the ray.
+    pub dir: Vec3,
+    /// Share of the light along the ray that reaches the camera.
+    pub throughput: Vec3,
+    /// The (η_i/η_t)² of refraction in the throughput, which comes back on leaving a body.
+    pub eta_scale: f32,
+    pub inside: Inside,
+    pub sent: Sent,
+    /// The triangle that the ray leaves.
+    pub leaves: Option<u32>,
+}
+
+impl Walk {
+    /// Begins at the camera.
+    pub fn new((origin, dir): (Vec3, Vec3)) -> Self {
+        let (inside, sent) = (Inside::default(), Sent { smooth: None });
+        Self { origin, dir, throughput: Vec3::ONE, eta_scale: 1.0, inside, sent, leaves: None }
+    }
+}
+
+impl<'a> Course<'a> {
+    pub fn new(prepared: &'a PreparedScene, settings: &'a RenderSettings, view: &View) -> Self {
+        Self { prepared, settings, reach: reach(settings.strategy), show_environment: view.show_environment }
+    }
+
+    /// Whether lanes have the random numbers and the strategy, and no light shines through bodies.
+    pub fn lanes_can(&self) -> bool {
+        let sampler = matches!(self.settings.sampler, SamplerKind::Sobol | SamplerKind::Pcg);
+        let strategy = matches!(self.settings.strategy, Strategy::Bsdf | Strategy::Light | Strategy::Mis);
+        sampler && strategy && !self.prepared.tints
+    }
+
+    /// Adds the light that a path gathers at the end of its ray, which has hit something or nothing, and sends it on from
+    /// there; false: it ends. `depth` counts scattering events. The radiance is not finite where the path's weight was not.
+    pub fn visit(&self, depth: u32, walk: &mut Walk, hit: Option<Hit>, with: &mut Company<impl Recorder>) -> bool {
+        let Self { prepared, settings, reach, .. } = *self;
+        let Some((hit, place)) = hit.and_then(|hit| Some((hit, Place::new(prepared, &hit, walk.dir)?))) else {
+            if depth > 0 || self.show_environment {
+                let light = environment(prepared, settings, reach, &walk.sent, walk.dir);
+                let contribution = walk.throughput * light;
+                *with.radiance += contribution;
+                with.recorder.note(|| PathEvent::Environment { light, contribution });
+            }
+            with.recorder.note(|| PathEvent::End { why: "left the scene" });
+            return false;
+        };
+        with.recorder.note(|| hit_event(prepared, &hit, &place));
+        walk.inside = walk.inside.met(prepared, &place);
+        let transmittance = walk.inside.transmittance(prepared, hit.t);
+        walk.throughput *= transmittance;
+        if transmittance != Vec3::ONE {
+            with.recorder.note(|| PathEvent::Absorbed { transmittance, throughput: walk.throughput });
+        }
+        let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
+        let emitted = emission::emitted(&prepared.scene, &prepared.geometry, hit.triangle, b, place.front);
+        if emitted != Vec3::ZERO {
+            let weight = emission_weight(prepared, settings, reach, &walk.sent, &place);
+            let contribution = walk.throughput * emitted * weight;
+            *with.radiance += contribution;
+            with.recorder.note(|| PathEvent::Emission { radiance: emitted, weight, contribution });
+        }
+        if depth == settings.max_depth {
+            with.recorder.note(|| PathEvent::End { why: "as deep as paths may go" });
+            return false;
+        }
+        let index_around = walk.inside.index_around(prepared, &place);
+        let vertex = Vertex::new(prepared, &hit, place, walk.dir, index_around);
+        with.recorder
+            .note(|| PathEvent::Surface { shading_normal: vertex.shading_normal(), lobes: vertex.bsdf.describe() });
+        if vertex.bsdf.is_black() {
+            with.recorder.note(|| PathEvent::End { why: "the surface scatters nothing" });
+            return false;
+        }
+        self.scatter(depth, walk, &vertex, with)
+    }
+
+    /// Takes light samples at a vertex whose BSDF is not black, and sends the path on from there; false: it ends.
+    pub fn scatter(&self, depth: u32, walk: &mut Walk, vertex: &Vertex, with: &mut Company<impl Recorder>) -> bool {
+        let Self { prepared, settings, reach, .. } = *self;
+        if vertex.bsdf.has_smooth() && prepared.lights.any(reach) {
+            let light = direct(self, depth, vertex, walk.inside, with);
+            let contribution = walk.throughput * light;
+            *with.radiance += contribution;
+            with.recorder.note(|| PathEvent::DirectLight { radiance: light, contribution });
+        }
+        let Some((wi, outgoing, sample)) = direction(settings.strategy, with.sampler, depth, vertex) else {
+            with.recorder.note(|| PathEvent::End { why: "absorbed" });
+            return false;
+        };
+        walk.throughput *= sample.weight;
+        with.recorder.note(|| {
+            let BsdfSample { pdf, delta, transmitted, weight, .. } = sample;
+            PathEvent::Scattered { direction: wi, pdf, delta, transmitted, weight, throughput: walk.throughput }
+        });
+        if !walk.throughput.is_finite() {
+            // Roulette would end the path here, and nobody would know.
+            *with.radiance = Vec3::NAN;
+            return false;
+        }
+        walk.eta_scale *= sample.eta_scale;
+        if sample.transmitted {
+            walk.inside = walk.inside.crossed(prepared, &vertex.place);
+        }
+        if depth + 1 >= ROULETTE_AFTER {
+            let survival = (walk.throughput.max_element() / walk.eta_scale).min(MOST_SURVIVAL);
+            // A survival of zero can only come with a throughput of zero.
+            if !(with.sampler.get_1d(depth, Purpose::Roulette) < survival) {
+                with.recorder.note(|| PathEvent::End { why: "Russian roulette" });
+                return false;
+            }
+            walk.throughput /= survival;
+            with.recorder.note(|| PathEvent::Roulette { survival, throughput: walk.throughput });
+        }
+        walk.sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), sample.pdf)) };
+        walk.origin = outgoing.origin;
+        walk.dir = wi;
+        walk.leaves = outgoing.leaves;
+        with.rays.bounce += 1;
+        true
+    }
+}
+
+#[cold]
+fn hit_event(prepared: &PreparedScene, hit: &Hit, place: &Place) -> PathEvent {
+    let (scene, geometry) = (&prepared.scene, &prepared.geometry);
+    PathEvent::Hit {
+        distance: f64::from(hit.t) / prepared.frame.scale(),
+        point: prepared.frame.world_point(place.point),
+        mesh: scene.meshes[geometry.part(hit.triangle).mesh as usize].name.clone(),
+        triangle: geometry.number_in_mesh(hit.triangle),
+        material: scene.materials[place.material as usize].name.clone(),
+        front: place.front,
+    }
+}
+
+/// A direction out of the vertex, on the side of the surface that its lobe says.
+fn direction(
+    strategy: Strategy,
+    sampler: &mut PathSampler,
+    depth: u32,
+    vertex: &Vertex,
+) -> Option<(Vec3, Outgoing, BsdfSample)> {
+    let (lobe, u) = (sampler.get_1d(depth, Purpose::Lobe), sampler.get_2d(depth, Purpose::Direction));
+    let wo = vertex.wo_local();
+    let sample = match strategy {
+        Strategy::Hemisphere => vertex.bsdf.sample_baseline(wo, lobe, u, Baseline::Uniform),
+        Strategy::Cosine => vertex.bsdf.sample_baseline(wo, lobe, u, Baseline::Cosine),
+        Strategy::Bsdf | Strategy::Light | Strategy::Mis => vertex.bsdf.sample(wo, lobe, u),
+    }?;
+    let (wi, outgoing) = vertex.world_of(sample.wi)?;
+    Some((wi, outgoing, sample))
+}

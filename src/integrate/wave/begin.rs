@@ -1,0 +1,68 @@
+//! Camera paths, sixteen at a time.
+
+use super::{Memory, Slot, path};
+use crate::integrate::View;
+use crate::integrate::camera::NearCamera;
+use crate::integrate::medium::Inside;
+use crate::lanes::{LANES, Lanes, Words, Work};
+use crate::prepare::kdtree::NO_TRIANGLE;
+use crate::sampling::{PathSampler, PathSamplers, Purpose};
+use crate::settings::RenderSettings;
+use glam::Vec3;
+use std::ops::Range;
+
+/// Begins the paths of some samples of pixels.
+pub(super) struct Begin<'a> {
+    pub memory: &'a mut Memory,
+    pub settings: &'a RenderSettings,
+    pub view: &'a View,
+    pub camera: NearCamera,
+    /// The tile's left upper pixel.
+    pub corner: [u32; 2],
+    /// Pixels within the tile.
+    pub pixels: &'a [[u32; 2]],
+    pub samples: Range<u32>,
+}
+
+impl Work for Begin<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { memory, settings, view, camera, corner, pixels, samples } = self;
+        for sample in samples {
+            for pixels in pixels.chunks(LANES) {
+                let at = memory.slots.len();
+                let word = |axis: usize| std::array::from_fn(|i| corner[axis] + pixels.get(i).map_or(0, |p| p[axis]));
+                let pixel = [l.load_words(&word(0)), l.load_words(&word(1))];
+                let samplers = PathSamplers::<L>::of_pixels(settings.sampler, settings.seed, pixel, sample);
+                let Some(samplers) = samplers else { return };
+                let [dx, dy] = samplers.get_2d(0, Purpose::Pixel);
+                let x = (pixel[0].to_floats() + dx) / view.width as f32;
+                let y = (pixel[1].to_floats() + dy) / view.height as f32;
+                let (origin, dir) = camera.rays(x, y);
+                let (zero, one) = (l.splat(0.0), l.splat(1.0));
+                let mut floats = [zero; path::FLOATS];
+                for (k, (o, d)) in origin.components().into_iter().zip(dir.components()).enumerate() {
+                    floats[path::ORIGIN + k] = o;
+                    floats[path::DIR + k] = d;
+                    floats[path::THROUGHPUT + k] = one;
+                }
+                floats[path::ETA_SCALE] = one;
+                let [key, index] = samplers.words();
+                let mut words = [l.word(0); path::WORDS];
+                words[path::SLOT] = l.lane_numbers() + at as u32;
+                words[path::LEAVES] = l.word(NO_TRIANGLE);
+                words[path::KEY] = key;
+                words[path::INDEX] = index;
+                memory.paths.store::<L>(at, l.first(LANES), floats, words);
+                let (key, index) = (key.array(), index.array());
+                for i in 0..pixels.len() {
+                    let sampler = PathSampler::addressed(settings.sampler, key[i], index[i]);
+                    let inside = Inside::default();
+                    memory.slots.push(Slot { radiance: Vec3::ZERO, covered: false, sampler, inside });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! The wavefront: some thousand camera paths of a tile side by side, a scattering at a time (Laine, Karras & Aila 2013,
+//! "Megakernels Considered Harmful").
+//!
+//! Camera rays, then in turn: closest hits, shading with light samples in sixteen lanes, visibility of the light samples; the
+//! paths that go on move up. Each path gathers its light in a slot of its own, and the slots are summed up in the order
+//! of the samples, so that no sum depends on which paths survive. Surfaces that lanes know nothing of are visited one by one,
+//! by the code of the plain integrator, with the same random numbers.
+
+mod begin;
+mod lanes;
+mod lights;
+mod rows;
+mod shade;
+mod surface;
+mod trace;
+
+use super::camera::RayCamera;
+use super::medium::Inside;
+use super::tile::{SIDE, Tile};
+use super::walk::{Course, Sent, Walk};
+use super::{View, camera_ray};
+use crate::lighting::Receiver;
+use crate::prepare::kdtree::NO_TRIANGLE;
+use crate::sampling::{PathSampler, Purpose};
+use crate::settings::SamplerKind;
+use glam::Vec3;
+use kiln_formats::{Control, Stopped};
+use rows::Rows;
+use std::ops::Range;
+use std::sync::Mutex;
+
+/// Paths in flight.
+const PATHS: usize = 2048;
+/// Light samples that wait to be traced.
+const SHADOWS: usize = PATHS;
+
+/// Rows of a path.
+mod path {
+    pub const ORIGIN: usize = 0;
+    pub const DIR: usize = 3;
+    pub const THROUGHPUT: usize = 6;
+    pub const ETA_SCALE: usize = 9;
+    /// Density of the direction at the last vertex; 0 where nothing else could have sampled it.
+    pub const PDF: usize = 10;
+    /// The last vertex as a receiver of light.
+    pub const POINT: usize = 11;
+    pub const NORMAL: usize = 14;
+    pub const FLOATS: usize = 17;
+
+    pub const SLOT: usize = 0;
+    pub const LEAVES: usize = 1;
+    pub const FLAGS: usize = 2;
+    pub const KEY: usize = 3;
+    pub const INDEX: usize = 4;
+    pub const WORDS: usize = 5;
+
+    /// The receiver takes light from both sides.
+    pub const BOTH_SIDES: u32 = 1;
+    /// The path is inside a body.
+    pub const INSIDE: u32 = 2;
+}
+
+/// Rows of a hit.
+mod hit {
+    pub const T: usize = 0;
+    pub const B1: usize = 1;
+    pub const B2: usize = 2;
+    pub const FLOATS: usize = 3;
+    pub const TRIANGLE: usize = 0;
+    pub const WORDS: usize = 1;
+}
+
+/// Rows of a light sample.
+mod shadow {
+    pub const ORIGIN: usize = 0;
+    pub const DIR: usize = 3;
+    pub const T_MAX: usize = 6;
+    /// What it brings if nothing is in the way.
+    pub const LIGHT: usize = 7;
+    pub const FLOATS: usize = 10;
+    pub const SLOT: usize = 0;
+    pub const LEAVES: usize = 1;
+    pub const REACHES: usize = 2;
+    /// Number of the light sample at its vertex, from 1.
+    pub const DRAW: usize = 3;
+    pub const WORDS: usize = 4;
+}
+
+/// What a path has beside its rows, at its slot.
+#[derive(Clone, Copy)]
+struct Slot {
+    radiance: Vec3,
+    covered: bool,
+    sampler: PathSampler,
+    inside: Inside,
+}
+
+/// The memory of a wavefront, for one thread.
+pub(super) struct Memory {
+    paths: Rows<{ path::FLOATS }, { path::WORDS }>,
+    hits: Rows<{ hit::FLOATS }, { hit::WORDS }>,
+    shadows: Rows<{ shadow::FLOATS }, { shadow::WORDS }>,
+    blocked: Vec<bool>,
+    endless: Vec<f32>,
+    slots: Vec<Slot>,
+}
+
+impl Memory {
+    fn new() -> Self {
+        Self {
+            paths: Rows::new(PATHS),
+            hits: Rows::new(PATHS),
+            shadows: Rows::new(SHADOWS),
+            blocked: vec![false; SHADOWS],
+            endless: vec![f32::INFINITY; PATHS],
+            slots: Vec::with_capacity(PATHS),
+        }
+    }
+}
+
+/// Memories that no thread uses, for the next tiles.
+#[derive(Default)]
+pub(super) struct Memories(Mutex<Vec<Memory>>);
+
+impl Memories {
+    fn take(&self) -> Memory {
+        let free = self.0.lock().ok().and_then(|mut free| free.pop());
+        free.unwrap_or_else(Memory::new)
+    }
+
+    fn give_back(&self, memory: Memory) {
+        if let Ok(mut free) = self.0.lock() {
+            free.push(memory);
+        }
+    }
+}
+
+/// Adds the samples numbered `samples` of a tile's pixels to it.
+pub(super) fn render_tile(
+    course: &Course,
+    view: &View,
+    camera: &RayCamera,
+    memories: &Memories,
+    tile: &mut Tile,
+    samples: Range<u32>,
+    control: &Control,
+) -> Result<(), Stopped> {
+    let mut memory = memories.take();
+    let pixels = blockwise(tile.width, tile.height);
+    let at_once = (PATHS / pixels.len().max(1)) as u32;
+    let mut from = samples.start;
+    while from < samples.end {
+        control.check()?;
+        let batch = from..samples.end.min(from + at_once);
+        let wave = Wave { course, memory: &mut memory, tile };
+        wave.render(view, camera, &pixels, batch.clone());
+        control.advance(u64::from(batch.end - batch.start) * pixels.len() as u64);
+        from = batch.end;
+    }
+    memories.give_back(memory);
+    Ok(())
+}
+
+/// The pixels of a tile in blocks of four by four, so that sixteen neighbours in the order are neighbours in the picture.
+fn blockwise(width: u32, height: u32) -> Vec<[u32; 2]> {
+    let block = |k: u32| [k % (SIDE / 4) * 4, k / (SIDE / 4) * 4];
+    let all = (0..SIDE * SIDE / 16).flat_map(|k| (0..16).map(move |i| [block(k)[0] + i % 4, block(k)[1] + i / 4]));
+    all.filter(|[x, y]| *x < width && *y < height).collect()
+}
+
+/// A wavefront at work.
+struct Wave<'a> {
+    course: &'a Course<'a>,
+    memory: &'a mut Memory,
+    tile: &'a mut Tile,
+}
+
+impl Wave<'_> {
+    fn render(mut self, view: &View, camera: &RayCamera, pixels: &[[u32; 2]], samples: Range<u32>) {
+        self.begin(view, camera, pixels, samples.clone());
+        for depth in 0..=self.course.settings.max_depth {
+            self.trace_paths(depth);
+            self.course.prepared.lanes.run(shade::Shade { wave: &mut self, depth });
+            self.trace_shadows(depth);
+            if self.memory.paths.len == 0 {
+                break;
+            }
+        }
+        let slots = self.memory.slots.chunks(pixels.len());
+        for (sample, slots) in samples.zip(slots) {
+            for ([x, y], slot) in pixels.iter().zip(slots) {
+                self.tile.add((y * self.tile.width + x) as usize, sample, slot.radiance, slot.covered);
+            }
+        }
+    }
+
+    /// Camera rays.
+    fn begin(&mut self, view: &View, camera: &RayCamera, pixels: &[[u32; 2]], samples: Range<u32>) {
+        let settings = self.course.settings;
+        let memory = &mut *self.memory;
+        memory.slots.clear();
+        memory.shadows.len = 0;
+        let addressed = matches!(settings.sampler, SamplerKind::Sobol | SamplerKind::Pcg);
+        if let Some(camera) = camera.near().filter(|_| addressed) {
+            let corner = [self.tile.x, self.tile.y];
+            self.course.prepared.lanes.run(begin::Begin { memory, settings, view, camera, corner, pixels, samples });
+        } else {
+            self.begin_one_by_one(view, camera, pixels, samples);
+        }
+        self.memory.paths.len = self.memory.slots.len();
+        self.tile.tally.rays.camera += self.memory.slots.len() as u64;
+    }
+
+    /// Camera rays in double precision, and for any sampler.
+    fn begin_one_by_one(&mut self, view: &View, camera: &RayCamera, pixels: &[[u32; 2]], samples: Range<u32>) {
+        let settings = self.course.settings;
+        let memory = &mut *self.memory;
+        for sample in samples {
+            for [x, y] in pixels {
+                let pixel = [self.tile.x + x, self.tile.y + y];
+                let mut sampler = PathSampler::new(settings.sampler, settings.seed, pixel, sample);
+                let walk = Walk::new(camera_ray(view, camera, pixel, sampler.get_2d(0, Purpose::Pixel)));
+                let at = memory.slots.len();
+                memory.slots.push(Slot { radiance: Vec3::ZERO, covered: false, sampler, inside: Inside::default() });
+                memory.paths.set_word(path::SLOT, at, at as u32);
+                memory.paths.set_word(path::KEY, at, sampler.key());
+                memory.paths.set_word(path::INDEX, at, sampler.index());
+                memory.put(at, &walk);
+            }
+        }
+    }
+}
+
+impl Memory {
+    /// The path at a place in the rows.
+    fn walk(&self, at: usize) -> Walk {
+        let rows = &self.paths;
+        let (pdf, flags) = (rows.float(path::PDF, at), rows.word(path::FLAGS, at));
+        let receiver = Receiver {
+            point: rows.vector(path::POINT, at),
+            normal: rows.vector(path::NORMAL, at),
+            both_sides: flags & path::BOTH_SIDES != 0,
+        };
+        let leaves = rows.word(path::LEAVES, at);
+        Walk {
+            origin: rows.vector(path::ORIGIN, at),
+            dir: rows.vector(path::DIR, at),
+            throughput: rows.vector(path::THROUGHPUT, at),
+            eta_scale: rows.float(path::ETA_SCALE, at),
+            inside: self.slots[rows.word(path::SLOT, at) as usize].inside,
+            sent: Sent { smooth: (pdf > 0.0).then_some((receiver, pdf)) },
+            leaves: (leaves != NO_TRIANGLE).then_some(leaves),
+        }
+    }
+
+    /// Puts a path at a place in the rows, where its slot and its sampler's words are already.
+    fn put(&mut self, at: usize, walk: &Walk) {
+        let rows = &mut self.paths;
+        let mut flags = 0;
+        rows.set_float(path::PDF, at, 0.0);
+        if let Some((receiver, pdf)) = &walk.sent.smooth {
+            rows.set_float(path::PDF, at, *pdf);
+            rows.set_vector(path::POINT, at, receiver.point);
+            rows.set_vector(path::NORMAL, at, receiver.normal);
+            flags |= if receiver.both_sides { path::BOTH_SIDES } else { 0 };
+        }
+        rows.set_vector(path::ORIGIN, at, walk.origin);
+        rows.set_vector(path::DIR, at, walk.dir);
+        rows.set_vector(path::THROUGHPUT, at, walk.throughput);
+        rows.set_float(path::ETA_SCALE, at, walk.eta_scale);
+        rows.set_word(path::LEAVES, at, walk.leaves.unwrap_or(NO_TRIANGLE));
+        if walk.inside != Inside::default() {
+            flags |= path::INSIDE;
+        }
+        rows.set_word(path::FLAGS, at, flags);
+        self.slots[rows.word(path::SLOT, at) as usize].inside = walk.inside;
+    }
+}

@@ -1,0 +1,250 @@
+//! One scattering of all paths in flight.
+
+use super::lights::Carried;
+use super::surface::{Fetch, Surface};
+use super::{Wave, hit, path};
+use crate::geometry::emission;
+use crate::integrate::direct::{emission_weight, environment};
+use crate::integrate::vertex::{Place, Vertex};
+use crate::integrate::walk::{Company, MOST_SURVIVAL, ROULETTE_AFTER};
+use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words, Work};
+use crate::math::Hit;
+use crate::prepare::Way;
+use crate::prepare::kdtree::NO_TRIANGLE;
+use crate::sampling::{PathSamplers, Purpose};
+use glam::Vec3;
+
+/// Shades where the rays of all paths have ended, lets light samples wait, and sends the paths on.
+pub(super) struct Shade<'a, 'b> {
+    pub wave: &'a mut Wave<'b>,
+    /// Scattering events so far.
+    pub depth: u32,
+}
+
+/// What becomes of sixteen paths, as sets of lanes.
+struct Sorted {
+    /// Their surfaces are shaded in lanes.
+    lanes: u32,
+    /// Those among them whose surfaces were fetched as vertices.
+    rough: u32,
+    /// They have been visited, and go on.
+    visited: u32,
+}
+
+impl Work for Shade<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { wave, depth } = self;
+        let count = wave.memory.paths.len;
+        let mut fetch = Fetch::new();
+        // Paths move up within the same rows: entries are written only when they have been read.
+        let mut kept = 0;
+        for at in (0..count).step_by(LANES) {
+            let sorted = wave.sort(depth, at, LANES.min(count - at), &mut fetch);
+            kept += wave.scatter(l, depth, at, &sorted, &fetch, kept);
+        }
+        wave.memory.paths.len = kept;
+    }
+}
+
+impl Wave<'_> {
+    /// Adds the light that sixteen paths meet, visits those that lanes cannot, and fetches the surfaces of the others.
+    #[inline(never)]
+    fn sort(&mut self, depth: u32, at: usize, count: usize, fetch: &mut Fetch) -> Sorted {
+        let course = self.course;
+        let prepared = course.prepared;
+        let lanes_can = course.lanes_can();
+        let mut sorted = Sorted { lanes: 0, rough: 0, visited: 0 };
+        for lane in 0..count {
+            let i = at + lane;
+            let triangle = self.memory.hits.word(hit::TRIANGLE, i);
+            if triangle == NO_TRIANGLE {
+                self.miss(depth, i);
+                continue;
+            }
+            let part = &prepared.ways[prepared.geometry.part_index(triangle) as usize];
+            let inside = self.memory.paths.word(path::FLAGS, i) & path::INSIDE != 0;
+            if part.way == Way::Any || inside || !lanes_can {
+                sorted.visited |= u32::from(self.visit(depth, i)) << lane;
+                continue;
+            }
+            if part.emits {
+                self.add_emission(i);
+            }
+            if depth == course.settings.max_depth {
+                continue;
+            }
+            match part.way {
+                Way::Diffuse(Vec3::ZERO) => {}
+                Way::Diffuse(albedo) => {
+                    fetch.put_flat(lane, prepared, triangle, albedo);
+                    sorted.lanes |= 1 << lane;
+                }
+                _ => {
+                    let (hit, dir) = (self.hit(i), self.memory.paths.vector(path::DIR, i));
+                    let Some(place) = Place::new(prepared, &hit, dir) else { continue };
+                    let vertex = Vertex::new(prepared, &hit, place, dir, 1.0);
+                    if vertex.bsdf.is_black() {
+                        continue;
+                    }
+                    match vertex.rough() {
+                        Some(rough) => {
+                            fetch.put_rough(lane, &rough);
+                            sorted.lanes |= 1 << lane;
+                            sorted.rough |= 1 << lane;
+                        }
+                        None => sorted.visited |= u32::from(self.scatter_one(depth, i, &vertex)) << lane,
+                    }
+                }
+            }
+        }
+        sorted
+    }
+
+    fn hit(&self, i: usize) -> Hit {
+        let hits = &self.memory.hits;
+        let [t, b1, b2] = [hit::T, hit::B1, hit::B2].map(|row| hits.float(row, i));
+        Hit { t, triangle: hits.word(hit::TRIANGLE, i), b1, b2 }
+    }
+
+    /// Light from beyond the scene.
+    fn miss(&mut self, depth: u32, i: usize) {
+        if depth == 0 && !self.course.show_environment {
+            return;
+        }
+        let walk = self.memory.walk(i);
+        let course = self.course;
+        let light = environment(course.prepared, course.settings, course.reach, &walk.sent, walk.dir);
+        self.slot(i).radiance += walk.throughput * light;
+    }
+
+    /// Light that a surface emits.
+    fn add_emission(&mut self, i: usize) {
+        let course = self.course;
+        let prepared = course.prepared;
+        let (hit, walk) = (self.hit(i), self.memory.walk(i));
+        let Some(place) = Place::new(prepared, &hit, walk.dir) else { return };
+        let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
+        let emitted = emission::emitted(&prepared.scene, &prepared.geometry, hit.triangle, b, place.front);
+        if emitted != Vec3::ZERO {
+            let weight = emission_weight(prepared, course.settings, course.reach, &walk.sent, &place);
+            self.slot(i).radiance += walk.throughput * emitted * weight;
+        }
+    }
+
+    fn slot(&mut self, i: usize) -> &mut super::Slot {
+        &mut self.memory.slots[self.memory.paths.word(path::SLOT, i) as usize]
+    }
+
+    /// Does everything for a path as the plain integrator does; whether it goes on.
+    fn visit(&mut self, depth: u32, i: usize) -> bool {
+        let (hit, mut walk) = (self.hit(i), self.memory.walk(i));
+        let course = self.course;
+        let slot = &mut self.memory.slots[self.memory.paths.word(path::SLOT, i) as usize];
+        let rays = &mut self.tile.tally.rays;
+        let super::Slot { sampler, radiance, .. } = slot;
+        let mut with = Company { sampler, radiance, rays, recorder: &mut () };
+        let goes_on = course.visit(depth, &mut walk, Some(hit), &mut with);
+        if goes_on {
+            self.memory.put(i, &walk);
+        }
+        goes_on
+    }
+
+    /// Scatters a path as the plain integrator does, its emission having been added.
+    fn scatter_one(&mut self, depth: u32, i: usize, vertex: &Vertex) -> bool {
+        let mut walk = self.memory.walk(i);
+        let course = self.course;
+        let slot = &mut self.memory.slots[self.memory.paths.word(path::SLOT, i) as usize];
+        let rays = &mut self.tile.tally.rays;
+        let super::Slot { sampler, radiance, .. } = slot;
+        let mut with = Company { sampler, radiance, rays, recorder: &mut () };
+        let goes_on = course.scatter(depth, &mut walk, vertex, &mut with);
+        if goes_on {
+            self.memory.put(i, &walk);
+        }
+        goes_on
+    }
+
+    /// Has paths count as not finite: roulette would end them, and nobody would know.
+    #[cold]
+    fn lose(&mut self, at: usize, lanes: u32) {
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 != 0) {
+            self.slot(at + lane).radiance = Vec3::NAN;
+        }
+    }
+
+    /// Scatters the paths whose surfaces were fetched, and moves all that go on up to `kept`; how many they are.
+    #[inline(always)]
+    fn scatter<L: Lanes>(&mut self, l: L, depth: u32, at: usize, sorted: &Sorted, fetch: &Fetch, kept: usize) -> usize {
+        if sorted.lanes | sorted.visited == 0 {
+            return 0;
+        }
+        let active = l.mask(sorted.lanes);
+        let visited = l.mask(sorted.visited);
+        let (paths, hits) = (&self.memory.paths, &self.memory.hits);
+        let (mut floats, mut words) = paths.load_all(l, at);
+        let mut goes_on = visited;
+        let kind = self.course.settings.sampler;
+        if active.any()
+            && let Some(samplers) = PathSamplers::<L>::new(kind, words[path::KEY], words[path::INDEX])
+        {
+            let dir = vector::<L>(&floats, path::DIR);
+            let (b1, b2) = (hits.load(l, hit::B1, at), hits.load(l, hit::B2, at));
+            let surface: Surface<L> = fetch.surface(l, dir, b1, b2, l.mask(sorted.rough));
+            let throughput = vector::<L>(&floats, path::THROUGHPUT);
+            let triangle = hits.load_words(l, hit::TRIANGLE, at);
+            let carried = Carried { throughput, slot: words[path::SLOT], triangle, samplers };
+            if self.course.prepared.lights.any(self.course.reach) {
+                self.sample_lights(l, depth, active, &surface, &carried);
+            }
+            let u = samplers.get_2d(depth, Purpose::Direction);
+            let chosen = surface.lobes.reflects;
+            let u_lobe = if chosen { samplers.get_1d(depth, Purpose::Lobe) } else { l.splat(0.0) };
+            let local = surface.lobes.sample(surface.wo, u_lobe, u);
+            let (value, pdf) = surface.lobes.eval(surface.wo, local);
+            let weight = value * (l.splat(1.0) / pdf);
+            let mut throughput = throughput.times(weight);
+            let mut on = active & pdf.gt(l.splat(0.0)) & weight.is_finite() & value.is_not_zero();
+            let wi = surface.frame.to_world(local);
+            let out = surface.outgoing(wi);
+            on = on & out.open;
+            let lost = on & !throughput.is_finite();
+            if lost.any() {
+                self.lose(at, lost.bits());
+                on = on & !lost;
+            }
+            if depth + 1 >= ROULETTE_AFTER {
+                let survival = (throughput.max_element() / floats[path::ETA_SCALE]).min(l.splat(MOST_SURVIVAL));
+                on = on & samplers.get_1d(depth, Purpose::Roulette).lt(survival);
+                throughput = throughput * (l.splat(1.0) / survival);
+            }
+            for (row, v) in [
+                (path::ORIGIN, out.origin),
+                (path::DIR, wi),
+                (path::THROUGHPUT, throughput),
+                (path::POINT, surface.point),
+                (path::NORMAL, surface.frame.z),
+            ] {
+                for (k, x) in v.components().into_iter().enumerate() {
+                    floats[row + k] = L::F::select(active, x, floats[row + k]);
+                }
+            }
+            floats[path::PDF] = L::F::select(active, pdf, floats[path::PDF]);
+            let leaves = L::U::select(out.above, triangle, l.word(NO_TRIANGLE));
+            words[path::LEAVES] = L::U::select(active, leaves, words[path::LEAVES]);
+            words[path::FLAGS] = L::U::select(active, l.word(0), words[path::FLAGS]);
+            self.tile.tally.rays.bounce += on.count() as u64;
+            goes_on = goes_on | on;
+        }
+        self.memory.paths.store::<L>(kept, goes_on, floats, words);
+        goes_on.count()
+    }
+}
+
+#[inline(always)]
+fn vector<L: Lanes>(floats: &[L::F; path::FLOATS], row: usize) -> V3<L::F> {
+    V3::new(floats[row], floats[row + 1], floats[row + 2])
+}

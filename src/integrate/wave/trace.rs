@@ -1,0 +1,80 @@
+//! The rays of a wavefront.
+
+use super::{Memory, Wave, hit, path, shadow};
+use crate::integrate::trace::{Asker, stops};
+use crate::prepare::kdtree::{Coherence, HitBatch, NO_TRIANGLE, RayBatch};
+
+impl Wave<'_> {
+    /// The closest hits of all paths.
+    pub(super) fn trace_paths(&mut self, depth: u32) {
+        let prepared = self.course.prepared;
+        let Memory { paths, hits, slots, endless, .. } = &mut *self.memory;
+        hits.len = paths.len;
+        let ([t, b1, b2], [triangle]) = hits.all_mut();
+        let mut found = HitBatch { t, b1, b2, triangle };
+        let rays = RayBatch {
+            origin: paths.vectors(path::ORIGIN),
+            dir: paths.vectors(path::DIR),
+            t_max: &endless[..paths.len],
+            leaves: paths.words(path::LEAVES),
+            reaches: &[],
+        };
+        let (coherence, eye) = if depth == 0 { (Coherence::Coherent, true) } else { (Coherence::Scattered, false) };
+        if prepared.covers || (eye && prepared.culls) {
+            let (slot, leaves) = (paths.words(path::SLOT), paths.words(path::LEAVES));
+            prepared.tree.closest_batch_where(&rays, coherence, &mut found, |i, hit| {
+                let sampler = slots[slot[i] as usize].sampler;
+                let leaves = (leaves[i] != NO_TRIANGLE).then_some(leaves[i]);
+                stops(
+                    prepared,
+                    &Asker { sampler, vertex: depth, draw: 0, leaves, eye },
+                    hit,
+                    paths.vector(path::DIR, i),
+                )
+            });
+        } else {
+            prepared.tree.closest_batch(&rays, coherence, &mut found);
+        }
+        if depth == 0 {
+            for (slot, triangle) in slots.iter_mut().zip(hits.words(hit::TRIANGLE)) {
+                slot.covered = *triangle != NO_TRIANGLE;
+            }
+        }
+    }
+
+    /// Traces the light samples that wait, and adds what arrives to their paths.
+    #[inline(never)]
+    pub(super) fn trace_shadows(&mut self, depth: u32) {
+        let prepared = self.course.prepared;
+        let Memory { shadows, slots, blocked, .. } = &mut *self.memory;
+        if shadows.len == 0 {
+            return;
+        }
+        let rays = RayBatch {
+            origin: shadows.vectors(shadow::ORIGIN),
+            dir: shadows.vectors(shadow::DIR),
+            t_max: shadows.floats(shadow::T_MAX),
+            leaves: shadows.words(shadow::LEAVES),
+            reaches: shadows.words(shadow::REACHES),
+        };
+        let slot = shadows.words(shadow::SLOT);
+        let blocked = &mut blocked[..shadows.len];
+        let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Scattered };
+        if prepared.covers {
+            let draw = shadows.words(shadow::DRAW);
+            prepared.tree.occluded_batch_where(&rays, coherence, blocked, |i, hit| {
+                let sampler = slots[slot[i] as usize].sampler;
+                let asker = Asker { sampler, vertex: depth + 1, draw: draw[i], leaves: None, eye: false };
+                stops(prepared, &asker, hit, shadows.vector(shadow::DIR, i))
+            });
+        } else {
+            prepared.tree.occluded_batch(&rays, coherence, blocked);
+        }
+        for (i, blocked) in blocked.iter().enumerate() {
+            if !blocked {
+                slots[slot[i] as usize].radiance += shadows.vector(shadow::LIGHT, i);
+            }
+        }
+        shadows.len = 0;
+    }
+}
