@@ -14,11 +14,8 @@ mod report;
 mod trial;
 
 use kiln::Control;
-use kiln::batch::{lights_itself, plan_views};
-use kiln::formats::{Format, ImportOptions, import};
-use kiln::integrate::View;
-use kiln::prepare::{EnvironmentSource, PreparedScene, prepare};
-use kiln::settings::{PrepareSettings, ViewSettings};
+use kiln::batch::{Job, Output, Ready, make_ready};
+use kiln::settings::{Settings, ViewSettings};
 use std::path::{Path, PathBuf};
 
 /// What is asked for on the command line.
@@ -47,16 +44,17 @@ fn options() -> Result<Options, String> {
     if options.assets.is_empty() { Err("which assets?".into()) } else { Ok(options) }
 }
 
-/// An asset as `kiln render` shows it, but for the studio that joins an own light that is too dark.
-fn load(asset: &Path, size: u32) -> Result<(PreparedScene, View), String> {
-    let control = Control::default();
-    let imported = import(asset, &ImportOptions::default(), &control).map_err(|e| e.to_string())?;
+/// An asset as `kiln render` shows it.
+fn load(asset: &Path, size: u32) -> Result<Ready, String> {
     let views = ViewSettings { width: size, height: size, ..ViewSettings::default() };
-    let view = plan_views(&imported.scene, &views, false)?.remove(0);
-    let own = lights_itself(&imported.scene, Format::of(asset));
-    let light = if own { EnvironmentSource::None } else { EnvironmentSource::Studio };
-    let prepared = prepare(imported.scene, &light, &PrepareSettings::default(), &control);
-    Ok((prepared.map_err(|e| e.to_string())?, view))
+    let job = Job {
+        input: asset.into(),
+        name: asset.display().to_string(),
+        root: None,
+        output: Output { folder: PathBuf::new(), stem: PathBuf::new(), ending: None },
+        settings: Settings { views, ..Settings::default() },
+    };
+    make_ready(&job, &Control::default(), None).map_err(|outcome| outcome.error_message.unwrap_or_default())
 }
 
 fn main() -> Result<(), String> {
@@ -64,7 +62,7 @@ fn main() -> Result<(), String> {
     let mut all = Vec::new();
     for asset in &options.assets {
         let name = asset.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let (scene, view) = match load(asset, options.size) {
+        let ready = match load(asset, options.size) {
             Ok(loaded) => loaded,
             Err(error) => {
                 println!("{name}: left out: {error}");
@@ -72,7 +70,7 @@ fn main() -> Result<(), String> {
             }
         };
         let clock = cpu_time::ProcessTime::now();
-        let rows = trial::run(&name, &scene, &view, options.seeds, options.most).map_err(|e| e.to_string())?;
+        let rows = trial::run(&name, &ready, options.seeds, options.most).map_err(|e| e.to_string())?;
         report::asset(&name, &rows, clock.elapsed().as_secs_f64());
         all.extend(rows);
         // As one goes: a run that is cut short leaves what it did.

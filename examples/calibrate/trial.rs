@@ -1,4 +1,5 @@
 use kiln::accuracy::{Accuracy, CONFIDENCE, Display, Progressive};
+use kiln::batch::Ready;
 use kiln::film::Film;
 use kiln::integrate::View;
 use kiln::prepare::PreparedScene;
@@ -68,11 +69,11 @@ fn render(scene: &PreparedScene, view: &View, seed: u64, most: u32, display: Dis
 }
 
 /// All looks at renders with the seeds from 1.
-pub fn run(asset: &str, scene: &PreparedScene, view: &View, seeds: u64, most: u32) -> Result<Vec<Row>, Stopped> {
-    let display = Display::new(&PictureSettings::default(), 0.0);
+pub fn run(asset: &str, ready: &Ready, seeds: u64, most: u32) -> Result<Vec<Row>, Stopped> {
+    let display = Display::new(&PictureSettings::default(), ready.exposure);
     let mut rendered = Vec::new();
     for seed in 1..=seeds {
-        rendered.extend(render(scene, view, seed, most, display)?);
+        rendered.extend(render(&ready.scene, &ready.views[0], seed, most, display)?);
     }
     let samples: f64 = rendered.iter().map(|s| f64::from(s.spp)).sum();
     let pixels = rendered.first().map_or(0, |s| s.means.len());

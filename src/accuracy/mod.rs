@@ -45,12 +45,48 @@ impl Accuracy {
     /// `None` when there are not two replicates to compare: with one sample per pixel nothing can be said. A film that shows
     /// nothing of the asset has no error.
     pub fn of(film: &Film, display: &Display, confidence: f64) -> Option<Self> {
-        if film.spp < 2 {
-            return None;
-        }
-        let [displayed, relative] = jackknife::spreads(film, display);
-        let (variance, bound) = displayed.mean_and_bound(confidence);
-        let (relmse, relmse_bound) = relative.mean_and_bound(confidence);
-        Some(Self { error: variance.sqrt(), error_bound: bound.sqrt(), relmse, relmse_bound })
+        Some(Spreads::of(film, display)?.accuracy(confidence))
     }
 }
+
+/// What an [`Accuracy`] is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spreads {
+    /// Of the squared displayed error.
+    pub displayed: Spread,
+    /// Of the relative squared error.
+    pub relative: Spread,
+}
+
+impl Spreads {
+    /// Of the pixels of a film that the asset covers; `None` when there are not two replicates.
+    pub fn of(film: &Film, display: &Display) -> Option<Self> {
+        (film.spp >= 2).then(|| {
+            let [displayed, relative] = jackknife::spreads(film, display);
+            Self { displayed, relative }
+        })
+    }
+
+    /// The error, with bounds that hold with probability `confidence`.
+    pub fn accuracy(&self, confidence: f64) -> Accuracy {
+        let (variance, bound) = self.displayed.mean_and_bound(confidence);
+        let (relmse, relmse_bound) = self.relative.mean_and_bound(confidence);
+        Accuracy { error: variance.sqrt(), error_bound: bound.sqrt(), relmse, relmse_bound }
+    }
+
+    /// The error as seen by who looks for the `looks`-th time whether it is small enough.
+    ///
+    /// Who looks until a bound is low enough picks the lucky looks, so the 5 % by which bounds may fail are shared out. A
+    /// bound E can only fail at a look where the true error is above E, and it is likely to only where that is within the
+    /// bound's own distance from the estimate. Passes lower the error by 9 % or more each, so there are not more such looks
+    /// than passes that it takes to come that far, and not more than there have been.
+    pub fn accuracy_at_look(&self, looks: u32) -> Accuracy {
+        let plain = self.accuracy(CONFIDENCE);
+        let distance = if plain.error > 0.0 { plain.error_bound / plain.error } else { 1.0 };
+        let in_danger = (1.0 + libm::log(distance) / libm::log(SMALLEST_STEP)).min(f64::from(looks.max(1)));
+        self.accuracy(1.0 - (1.0 - CONFIDENCE) / in_danger)
+    }
+}
+
+/// The factor by which a pass of a quarter of an octave lowers the error of independent samples: 2^(1/8).
+const SMALLEST_STEP: f64 = 1.09;

@@ -1,11 +1,10 @@
-use super::{Accuracy, CONFIDENCE, Display, Schedule};
+use super::{Accuracy, Display, Schedule, Spreads};
 use crate::film::Film;
 use crate::integrate::{PassTally, View, render_pass};
 use crate::prepare::PreparedScene;
 use crate::sampling::REPLICATES;
 use crate::settings::{Goal, RenderSettings};
 use kiln_formats::{Control, Stopped};
-use std::f64::consts::PI;
 use std::time::{Duration, Instant};
 
 /// Why a render is over.
@@ -124,7 +123,8 @@ impl<'a> Progressive<'a> {
 
     /// The error of the film as it is.
     pub fn accuracy(&self) -> Option<Accuracy> {
-        Accuracy::of(&self.film, &self.display, self.confidence())
+        // Without an error asked for nobody looks.
+        Some(Spreads::of(&self.film, &self.display)?.accuracy_at_look(self.looks))
     }
 
     /// The film with its error.
@@ -151,19 +151,6 @@ impl<'a> Progressive<'a> {
         self.looks += 1;
         self.accuracy = self.accuracy();
         self.accuracy.is_some_and(|a| a.error_bound <= target)
-    }
-
-    /// The confidence of the bound after this many looks.
-    ///
-    /// Who looks until a bound is low enough picks the lucky ones. So the 5 % by which bounds may fail are shared out
-    /// over all looks that there can be, look k taking 6 / (π k)² of them (Σ 1/k² = π²/6): however often one has looked, the
-    /// bound at which the render stops fails in at most 5 % of the renders.
-    fn confidence(&self) -> f64 {
-        if self.goal.error.is_none() {
-            return CONFIDENCE;
-        }
-        let k = f64::from(self.looks.max(1));
-        1.0 - (1.0 - CONFIDENCE) * 6.0 / (PI * PI * k * k)
     }
 
     /// Tells the progress how many camera paths there will be, as far as one can know.
