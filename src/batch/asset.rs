@@ -1,15 +1,17 @@
 use super::budget::Budget;
+use super::by_deadline::by_deadline;
 use super::environment::{self, LoadedEnvironment};
+use super::failure::{Failure, guarded};
 use super::picture::Shot;
+use super::read::{Read, read};
 use super::sink::{FileSink, Sink};
 use super::stages::{StageClock, peak_bytes};
-use super::{Job, Outcome, SceneFacts, Stage, Status, digest, exposure, looks, views};
+use super::{Job, Outcome, SceneFacts, Stage, Status, digest, exposure, looks};
 use crate::accuracy::{Display, Ended, Finished, Progressive};
 use crate::integrate::{PassTally, View};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
-use crate::settings::{Background, EnvironmentSettings, Exposure, Goal, PictureFormat};
-use kiln_formats::{Control, ErrorCode, Format, ImportError, ImportOptions, Scene, Stopped, Warning, import};
-use std::any::Any;
+use crate::settings::{EnvironmentSettings, Exposure, PictureFormat};
+use kiln_formats::{Control, ErrorCode, Format, Scene, Warning};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -66,52 +68,6 @@ pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
     outcome
 }
 
-/// The error code of assets whose deadline came before the first picture.
-pub(super) const TOO_LATE: &str = "deadline-before-first-pass";
-
-/// Why an asset's pictures are not all there.
-pub(super) struct Failure {
-    pub code: String,
-    pub message: String,
-    pub stopped: bool,
-}
-
-impl Failure {
-    fn new(code: &str, message: impl Into<String>) -> Self {
-        Self { code: code.into(), message: message.into(), stopped: false }
-    }
-
-    /// The time is up.
-    fn late(goal: &Goal, nothing: bool) -> Self {
-        let time = goal.time.unwrap_or_default();
-        let code = if nothing { TOO_LATE } else { "deadline" };
-        let what = if nothing { "not one pass was done" } else { "not all views were begun" };
-        Self { code: code.into(), message: format!("after {time} s {what}"), stopped: true }
-    }
-
-    pub fn of_panic(panic: &(dyn Any + Send)) -> Self {
-        let text = panic.downcast_ref::<&str>().map(|s| s.to_string());
-        let text = text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default();
-        Self::new(ErrorCode::Internal.as_str(), format!("a defect in Kiln, please report it: {text}"))
-    }
-}
-
-impl From<Stopped> for Failure {
-    fn from(_: Stopped) -> Self {
-        Self { code: ErrorCode::Stopped.as_str().into(), message: "interrupted".into(), stopped: true }
-    }
-}
-
-impl From<ImportError> for Failure {
-    fn from(error: ImportError) -> Self {
-        if error.code == ErrorCode::Stopped {
-            Stopped.into()
-        } else {
-            Self::new(error.code.as_str(), error.to_string())
-        }
-    }
-}
-
 /// A job under way.
 pub(super) struct Work<'a> {
     pub job: &'a Job,
@@ -132,6 +88,10 @@ impl Work<'_> {
                 all = ended;
             }
             self.write(&finished, index as u32, exposure)?;
+        }
+        if self.control.deadline().is_some() {
+            // Giving back gigabytes takes a while that the deadline does not leave.
+            let _ = std::thread::Builder::new().spawn(move || drop(prepared));
         }
         Ok(all)
     }
@@ -175,8 +135,7 @@ impl Work<'_> {
     pub fn make_ready(&mut self) -> Result<(PreparedScene, Vec<View>, f64), Failure> {
         self.control.check()?;
         let (scene, environment, views) = self.import()?;
-        let mut prepared = self.prepare(scene, &environment)?;
-        drop(environment);
+        let mut prepared = self.prepare(scene, environment)?;
         if prepared.triangles == 0 {
             let message =
                 format!("nothing to draw: none of its {} triangles has an area", prepared.degenerate_triangles);
@@ -207,41 +166,40 @@ impl Work<'_> {
         };
         let digest = digest::of_settings(settings, loaded.as_deref().map(LoadedEnvironment::digest));
         self.outcome.settings = Some(digest.map_err(|e| Failure::new("settings", e.to_string()))?);
-        let (root, show, ray) = (self.job.root.clone(), settings.look.show.clone(), settings.look.ray);
-        let options = ImportOptions { root, show, ray, ..ImportOptions::default() };
-        let imported = import(&self.job.input, &options, self.control);
+        let job = self.job.clone();
+        let read = by_deadline(self.control, move |control| read(&job, control));
         // A failed import costs time too.
         (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();
-        let imported = imported?;
+        let (read, cpu) = read?;
+        self.outcome.cpu_seconds.import = self.outcome.cpu_seconds.import.max(cpu);
+        let Read { imported, content, views } = read?;
         self.outcome.warnings = imported.warnings;
-        let content = digest::of_files(&imported.files, self.control);
-        self.control.check()?;
-        self.outcome.content = Some(content.map_err(|e| Failure::new("io", format!("cannot be read again: {e}")))?);
+        self.outcome.content = Some(content?);
         let scene = imported.scene;
         self.outcome.scene = Some(SceneFacts {
             triangles: scene.triangle_count(),
             instances: scene.instances.len() as u64,
             ..SceneFacts::default()
         });
-        let show_environment = settings.pictures.background == Background::Environment;
-        let views = views::plan(&scene, &settings.views, show_environment).map_err(|e| Failure::new("camera", e))?;
         let (environment, light) =
             environment::choose(&scene, Format::of(&self.job.input), &settings.environment, loaded.as_ref());
         self.outcome.light = Some(light);
-        (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();
-        Ok((scene, environment, views))
+        self.outcome.seconds.import = clock.seconds().0;
+        Ok((scene, environment, views?))
     }
 
-    fn prepare(&mut self, scene: Scene, environment: &EnvironmentSource) -> Result<PreparedScene, Failure> {
+    fn prepare(&mut self, scene: Scene, environment: EnvironmentSource) -> Result<PreparedScene, Failure> {
         self.begin(Stage::Prepare);
         let clock = StageClock::begin();
-        let prepared = prepare(scene, environment, &self.job.settings.prepare, self.control)?;
-        let (wall, cpu) = clock.seconds();
+        let settings = self.job.settings.prepare;
+        let work = move |control: &Control| guarded(|| prepare(scene, &environment, &settings, control));
+        let (prepared, cpu) = by_deadline(self.control, work)?;
+        let prepared = prepared??;
         let tree = prepared.times;
         self.outcome.seconds.kdtree = tree.kdtree;
-        self.outcome.seconds.prepare = (wall - tree.kdtree).max(0.0);
+        self.outcome.seconds.prepare = (clock.seconds().0 - tree.kdtree).max(0.0);
         self.outcome.cpu_seconds.kdtree = tree.kdtree_cpu;
-        // What this thread did for the tree is in the tree's share already.
+        // What the thread did for the tree is in the tree's share already.
         self.outcome.cpu_seconds.prepare = (cpu - tree.kdtree_caller_cpu).max(0.0);
         if let Some(facts) = &mut self.outcome.scene {
             facts.triangles = prepared.triangles;

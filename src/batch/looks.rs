@@ -2,9 +2,9 @@
 //!
 //! Each look is a job of its own, and their outcomes become one.
 
-use super::asset::TOO_LATE;
 use super::budget::Budget;
 use super::environment::LoadedEnvironment;
+use super::failure::TOO_LATE;
 use super::stages::StageClock;
 use super::{Desk, Job, Outcome, Status, digest, run_asset_with, views};
 use crate::integrate::View;

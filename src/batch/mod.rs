@@ -4,16 +4,19 @@
 
 mod asset;
 mod budget;
+mod by_deadline;
 mod digest;
 mod discover;
 mod environment;
 mod exposure;
 mod facts;
+mod failure;
 mod job;
 mod looks;
 mod manifest;
 mod outcome;
 mod picture;
+mod read;
 mod ready;
 mod run;
 mod sink;

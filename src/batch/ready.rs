@@ -1,5 +1,6 @@
-use super::asset::{Desk, Failure, Work};
+use super::asset::{Desk, Work};
 use super::budget::Budget;
+use super::failure::Failure;
 use super::{FileSink, Job, LoadedEnvironment, Outcome, Status};
 use crate::integrate::View;
 use crate::prepare::PreparedScene;

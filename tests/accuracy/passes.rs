@@ -7,7 +7,7 @@ use kiln::settings::{PrepareSettings, RenderSettings, SamplerKind};
 use kiln::{Control, Scene};
 
 /// A ball in a box with a lamp under its ceiling.
-fn room() -> (PreparedScene, View) {
+pub fn room() -> (PreparedScene, View) {
     let mut scene = Scene::default();
     add(&mut scene, cube(true), lambert(0.7, 0.0), DAffine3::IDENTITY);
     add(&mut scene, sphere(3), lambert(0.5, 0.0), DAffine3::from_scale(DVec3::splat(0.4)));
