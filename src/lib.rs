@@ -10,6 +10,7 @@ pub mod checks;
 pub mod film;
 pub mod geometry;
 pub mod integrate;
+pub mod lab;
 pub mod lanes;
 pub mod lighting;
 pub mod math;

@@ -21,6 +21,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("metrics", &["film", "settings", "write"]),
     ("accuracy", &["film", "integrate", "math", "prepare", "sampling", "settings", "write"]),
     ("batch", &["accuracy", "film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
+    ("lab", &["accuracy", "batch", "film", "integrate", "math", "metrics", "prepare", "settings", "write"]),
     ("checks", &["film", "integrate", "math", "prepare", "settings"]),
     ("measure", &["geometry", "math", "prepare"]),
     ("cli", &["batch", "checks", "measure", "metrics", "settings", "write"]),

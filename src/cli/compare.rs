@@ -183,7 +183,7 @@ fn text(c: &Comparison) -> String {
         format!("alpha    {:.4} of 255 levels", c.alpha),
         format!("relmse   {relmse} in {light}"),
         format!("ssim     {:.6}", c.ssim),
-        format!("flip     {:.6}; in 95 % of the pixels below {:.3}: {seen}", c.flip, c.flip_p95),
+        format!("flip     {:.6}; in 95 % of what is covered below {:.3}: {seen}", c.flip, c.flip_p95),
     ]
     .join("\n")
 }

@@ -13,6 +13,7 @@ mod progress;
 mod rays;
 mod render;
 mod replay;
+mod study;
 mod summary;
 
 use clap::{Parser, Subcommand};
@@ -26,6 +27,7 @@ Examples:
   kiln render chair.glb                       chair.glb.png in the current folder
   kiln render chair.glb -o chair.exr --width 1024 --spp 256
   kiln inspect chair.glb                      what is in it
+  kiln study chair.glb --out study            what accuracy costs in time: study/report.html
   kiln compare new.png old.png                how much two pictures differ
   kiln check                                  whether this installation computes light correctly
 
@@ -46,6 +48,8 @@ enum Command {
     Batch(batch::BatchCommand),
     /// Tell what is in an asset
     Inspect(inspect::InspectCommand),
+    /// Measure what accuracy costs in time, and write a report
+    Study(study::StudyCommand),
     /// Tell how much two pictures differ
     Compare(compare::CompareCommand),
     /// Render scenes whose light is known and compare
@@ -65,6 +69,7 @@ pub fn main() -> ExitCode {
         Command::Render(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Inspect(command) => command.run(),
+        Command::Study(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Check(command) => command.run(),
     };

@@ -202,11 +202,16 @@ impl SettingOptions {
     /// # Errors
     /// When threads cannot be made.
     pub fn start_threads(&self) -> Result<usize, Fatal> {
-        let threads = self.threads.map_or(0, usize::from);
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()
-            .map_err(|e| Fatal::failed(format!("threads cannot be made: {e}")))?;
-        Ok(rayon::current_num_threads())
+        start_threads(self.threads)
     }
+}
+
+/// Makes the rayon pool, with one thread per core unless told otherwise, and gives its number of threads.
+///
+/// # Errors
+/// When threads cannot be made.
+pub fn start_threads(threads: Option<u16>) -> Result<usize, Fatal> {
+    let made = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build_global();
+    made.map_err(|e| Fatal::failed(format!("threads cannot be made: {e}")))?;
+    Ok(rayon::current_num_threads())
 }

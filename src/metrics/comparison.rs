@@ -25,7 +25,7 @@ pub struct Comparison {
     pub ssim: f64,
     /// Mean of ꟻLIP at 67 pixels per degree: 0 for equal pictures, at most 1.
     pub flip: f64,
-    /// The value that ꟻLIP stays below in 95 % of the pixels; 0.10 is just noticeable.
+    /// The value that ꟻLIP stays below in 95 % of the covered pixels; 0.10 is just noticeable.
     pub flip_p95: f64,
 }
 
@@ -52,10 +52,12 @@ pub fn compare(test: &Shown, reference: &Shown) -> Result<(Comparison, Plane), S
     let channels = test.displayed.iter().flatten().zip(reference.displayed.iter().flatten());
     let most = channels.map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
     let map = flip(test, reference, PIXELS_PER_DEGREE);
+    let covered = (0..map.values.len()).filter(|&i| test.alpha[i] > 0.0 || reference.alpha[i] > 0.0);
+    let seen = Plane { width: 1, values: covered.map(|i| map.values[i]).collect() };
     let comparison = Comparison {
         width: test.width,
         height: test.height,
-        covered: test.alpha.iter().zip(&reference.alpha).filter(|(a, b)| **a > 0.0 || **b > 0.0).count() as u64,
+        covered: seen.values.len() as u64,
         rmse: rmse(test, reference),
         max: 255.0 * most,
         alpha: alpha_rmse(test, reference),
@@ -63,7 +65,7 @@ pub fn compare(test: &Shown, reference: &Shown) -> Result<(Comparison, Plane), S
         scene_referred,
         ssim: ssim::ssim(test, reference),
         flip: map.mean(),
-        flip_p95: map.quantile(0.95),
+        flip_p95: if seen.values.is_empty() { 0.0 } else { seen.quantile(0.95) },
     };
     Ok((comparison, map))
 }

@@ -10,5 +10,6 @@ mod interrupt;
 mod looks;
 mod quality;
 mod render;
+mod study;
 mod support;
 mod views;

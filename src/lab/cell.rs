@@ -1,0 +1,69 @@
+use super::Reference;
+use crate::batch::StageSeconds;
+use crate::film::{Film, Picture};
+use crate::math::luminance;
+use crate::metrics::{Comparison, Show, Shown, compare};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// One picture of a study: what it cost, and how far it is from the reference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Names the run that it belongs to: asset, settings, seed and reference.
+    pub run: String,
+    /// The asset.
+    pub asset: String,
+    /// The way's name.
+    pub way: String,
+    /// Selects the random numbers.
+    pub seed: u64,
+    /// Camera paths per pixel.
+    pub spp: u32,
+    /// Wall seconds.
+    pub seconds: StageSeconds,
+    /// CPU seconds of all threads.
+    pub cpu_seconds: StageSeconds,
+    /// Root mean square difference from the reference as displayed, levels 0–255. The reference's own noise is in it.
+    pub rmse: f64,
+    /// Relative mean square error in linear light; `None` when a pixel is not finite.
+    pub relmse: Option<f64>,
+    /// Mean ꟻLIP.
+    pub flip: f64,
+    /// The value that ꟻLIP stays below in 95 % of the covered pixels.
+    pub flip_p95: f64,
+    /// Structural similarity.
+    pub ssim: f64,
+    /// The error that the picture states of itself; `None` with one sample per pixel.
+    pub stated_error: Option<f64>,
+    /// Its upper 95 % bound.
+    pub stated_bound: Option<f64>,
+    /// Mean luminance of each replicate's picture.
+    pub luminance: Vec<f64>,
+    /// Samples dropped because they were not finite.
+    pub nonfinite: u64,
+}
+
+/// What is measured of a picture.
+pub(super) struct Measured {
+    pub comparison: Comparison,
+    pub luminance: Vec<f64>,
+}
+
+pub(super) fn measure(film: &Film, picture: &Picture, reference: &Reference, show: &Show) -> Result<Measured, String> {
+    let (comparison, _) = compare(&Shown::of(picture, show), &reference.shown)?;
+    Ok(Measured { comparison, luminance: luminances(film) })
+}
+
+/// Mean luminance of the picture that each replicate makes.
+pub(super) fn luminances(film: &Film) -> Vec<f64> {
+    let mut sums = Vec::new();
+    for pixel in &film.pixels {
+        for (r, [red, green, blue, _]) in pixel.replicate_means(film.spp).enumerate() {
+            if sums.len() <= r {
+                sums.push(0.0);
+            }
+            sums[r] += f64::from(luminance(Vec3::new(red as f32, green as f32, blue as f32)));
+        }
+    }
+    sums.iter().map(|s| s / film.pixels.len() as f64).collect()
+}

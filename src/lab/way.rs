@@ -1,0 +1,163 @@
+use crate::settings::{KdTreeBuilder, SamplerKind, Settings, Strategy};
+use clap::ValueEnum;
+use serde::Serialize;
+
+/// A way of rendering: what it does otherwise than the settings of the study.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Way {
+    /// One word.
+    pub name: String,
+    /// What it is, for people.
+    pub title: String,
+    /// How direct light is estimated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strategy: Option<Strategy>,
+    /// Where random numbers come from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampler: Option<SamplerKind>,
+    /// How the kd-tree is built.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kdtree: Option<KdTreeBuilder>,
+    /// Scattering events per path at most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_depth: Option<u32>,
+    /// Light samples per vertex.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light_samples: Option<u32>,
+}
+
+/// The ways that have a name: name, group, title, and what they do otherwise.
+pub const WAYS: [(&str, &str, &str, &str); 19] = [
+    ("kiln", "strategies", "Kiln's own way: MIS, Sobol' points, SAH tree", ""),
+    ("light", "strategies", "light sampling alone", "strategy=light"),
+    ("bsdf", "strategies", "BSDF sampling alone", "strategy=bsdf"),
+    ("cosine", "strategies", "cosine-weighted directions", "strategy=cosine"),
+    ("hemisphere", "strategies", "uniform directions on the hemisphere", "strategy=hemisphere"),
+    ("pcg", "samplers", "independent random numbers (PCG hash)", "sampler=pcg"),
+    ("lcg", "samplers", "independent random numbers (LCG in sequence)", "sampler=lcg"),
+    ("xorshift32", "samplers", "independent random numbers (xorshift32 in sequence)", "sampler=xorshift32"),
+    ("median", "trees", "kd-tree split at medians", "kdtree=median"),
+    ("sampled", "trees", "kd-tree split at random samples (2018)", "kdtree=sampled"),
+    ("depth-1", "depth", "one scattering event: direct light only", "max-depth=1"),
+    ("depth-2", "depth", "two scattering events", "max-depth=2"),
+    ("depth-4", "depth", "four scattering events", "max-depth=4"),
+    ("depth-8", "depth", "eight scattering events", "max-depth=8"),
+    ("lights-2", "lights", "2 light samples per vertex", "light-samples=2"),
+    ("lights-4", "lights", "4 light samples per vertex", "light-samples=4"),
+    ("lights-8", "lights", "8 light samples per vertex", "light-samples=8"),
+    ("lights-16", "lights", "16 light samples per vertex", "light-samples=16"),
+    (
+        "2018",
+        "2018",
+        "the 2018 tracer's way, made correct: uniform directions, xorshift32, sampled kd-tree",
+        "strategy=hemisphere sampler=xorshift32 kdtree=sampled",
+    ),
+];
+
+/// What is studied unless something else is asked for.
+const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,2018";
+
+impl Way {
+    /// A way by its name, or one's own: `NAME: KEY=VALUE KEY=VALUE …` with the keys strategy, sampler, kdtree, max-depth and
+    /// light-samples.
+    ///
+    /// # Errors
+    /// A sentence.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        if let Some((name, _, title, changes)) = WAYS.iter().find(|w| w.0 == text.trim()) {
+            return Self::with(name, title, changes);
+        }
+        let Some((name, changes)) = text.split_once(':') else {
+            return Err(format!("'{text}' is no way; there are {}, and NAME: KEY=VALUE …", names().join(", ")));
+        };
+        let name = name.trim();
+        if name.is_empty() || WAYS.iter().any(|w| w.0 == name) {
+            return Err(format!("'{text}': a way of your own needs a name of its own"));
+        }
+        Self::with(name, changes.trim(), changes)
+    }
+
+    fn with(name: &str, title: &str, changes: &str) -> Result<Self, String> {
+        let mut way = Self { name: name.into(), title: title.into(), ..Self::default() };
+        for change in changes.split_whitespace() {
+            let (key, value) = change.split_once('=').ok_or_else(|| format!("'{change}' is not KEY=VALUE"))?;
+            let number = || value.parse::<u32>().map_err(|_| format!("'{change}': not a number"));
+            let wrong = |e: String| format!("'{change}': {e}");
+            match key {
+                "strategy" => way.strategy = Some(Strategy::from_str(value, false).map_err(wrong)?),
+                "sampler" => way.sampler = Some(SamplerKind::from_str(value, false).map_err(wrong)?),
+                "kdtree" => way.kdtree = Some(KdTreeBuilder::from_str(value, false).map_err(wrong)?),
+                "max-depth" => way.max_depth = Some(number()?),
+                "light-samples" => way.light_samples = Some(number()?.clamp(1, 4096)),
+                _ => return Err(format!("'{key}' is none of strategy, sampler, kdtree, max-depth, light-samples")),
+            }
+        }
+        Ok(way)
+    }
+
+    /// These settings, done this way.
+    pub fn of(&self, settings: &Settings) -> Settings {
+        let mut own = settings.clone();
+        own.render.strategy = self.strategy.unwrap_or(own.render.strategy);
+        own.render.sampler = self.sampler.unwrap_or(own.render.sampler);
+        own.prepare.kdtree = self.kdtree.unwrap_or(own.prepare.kdtree);
+        own.render.max_depth = self.max_depth.unwrap_or(own.render.max_depth);
+        own.render.light_samples = self.light_samples.unwrap_or(own.render.light_samples);
+        own
+    }
+}
+
+fn names() -> Vec<&'static str> {
+    WAYS.iter().map(|w| w.0).collect()
+}
+
+/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights), `usual` and `all`, separated by commas,
+/// each once; and those of one's own.
+///
+/// # Errors
+/// A sentence.
+pub fn ways(list: &str, own: &[String]) -> Result<Vec<Way>, String> {
+    let mut ways: Vec<Way> = Vec::new();
+    let list = list.split(',').map(str::trim).flat_map(|word| match word {
+        "usual" => USUAL.split(',').collect(),
+        word => vec![word],
+    });
+    for word in list {
+        let group: Vec<&str> = WAYS.iter().filter(|w| w.1 == word || word == "all").map(|w| w.0).collect();
+        for name in if group.is_empty() { vec![word] } else { group } {
+            ways.push(Way::parse(name)?);
+        }
+    }
+    for text in own {
+        ways.push(Way::parse(text)?);
+    }
+    let mut once: Vec<Way> = Vec::new();
+    for way in ways {
+        if !once.iter().any(|w| w.name == way.name) {
+            once.push(way);
+        }
+    }
+    Ok(once)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_named_way_can_be_read_and_the_list_knows_groups() {
+        let all = ways("all", &[]).expect("all");
+        assert_eq!(all.len(), WAYS.len());
+        let settings = Settings::default();
+        assert_eq!(all[0].of(&settings), settings);
+        assert!(all[1..].iter().all(|w| w.of(&settings) != settings), "each does something otherwise");
+        let some = ways("trees, kiln,median", &["mine: light-samples=3 sampler=pcg".into()]).expect("fine");
+        let names: Vec<_> = some.iter().map(|w| w.name.as_str()).collect();
+        assert_eq!(names, ["median", "sampled", "kiln", "mine"]);
+        assert_eq!(some[3].of(&settings).render.light_samples, 3);
+        for wrong in ["fast", "", "mine: speed=2", "kiln: sampler=pcg", "mine: sampler=dice", ": sampler=pcg"] {
+            assert!(Way::parse(wrong).is_err(), "{wrong}");
+        }
+        assert!(ways("usual", &[]).expect("usual").len() > 8);
+    }
+}
