@@ -16,6 +16,7 @@ pub mod lighting;
 pub mod math;
 pub mod measure;
 pub mod metrics;
+pub mod plan;
 pub mod prepare;
 pub mod sampling;
 pub mod settings;

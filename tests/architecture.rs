@@ -21,10 +21,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("metrics", &["film", "settings", "write"]),
     ("accuracy", &["film", "integrate", "math", "prepare", "sampling", "settings", "write"]),
     ("batch", &["accuracy", "film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
+    ("plan", &["batch", "settings"]),
     ("lab", &["accuracy", "batch", "film", "integrate", "math", "metrics", "prepare", "settings", "write"]),
     ("checks", &["film", "integrate", "math", "prepare", "settings"]),
     ("measure", &["geometry", "math", "prepare"]),
-    ("cli", &["batch", "checks", "measure", "metrics", "settings", "write"]),
+    ("cli", &["batch", "checks", "lab", "measure", "metrics", "plan", "settings", "write"]),
 ];
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -1,15 +1,13 @@
 use super::console::Console;
 use super::exit::{Exit, Fatal};
+use super::folders::{Folders, job};
 use super::interrupt::Interrupt;
 use super::options::SettingOptions;
 use super::progress::Progress;
 use super::summary;
 use clap::{Args, value_parser};
-use globset::{Glob, GlobSet, GlobSetBuilder};
 use kiln::Control;
-use kiln::batch::{
-    Assignment, Discovery, FileSink, Found, Job, LoadedEnvironment, Manifest, Output, Unreadable, discover, run,
-};
+use kiln::batch::{Assignment, FileSink, Job, LoadedEnvironment, Manifest, run};
 use kiln::settings::{EnvironmentSettings, PictureFormat, Settings};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -30,18 +28,11 @@ each folder's name comes first. manifest.jsonl holds one line per asset.";
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct BatchCommand {
-    /// Folders that are searched for .gltf, .glb, .obj and .ray files
-    #[arg(required = true, value_name = "DIR")]
-    folders: Vec<PathBuf>,
+    #[command(flatten)]
+    folders: Folders,
     /// Folder for pictures and manifest
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
-    /// Only assets whose path below the folder matches (may be repeated; * matches / too)
-    #[arg(long, value_name = "GLOB", value_parser = |text: &str| Glob::new(text))]
-    include: Vec<Glob>,
-    /// No assets and no folders whose path below the folder matches (may be repeated)
-    #[arg(long, value_name = "GLOB", value_parser = |text: &str| Glob::new(text))]
-    exclude: Vec<Glob>,
     /// Files for each picture
     #[arg(long, value_enum, value_delimiter = ',', default_value = "png,exr")]
     format: Vec<PictureFormat>,
@@ -60,31 +51,13 @@ impl BatchCommand {
     pub fn run(self) -> Result<Exit, Fatal> {
         let begin = Instant::now();
         let settings = self.options.settings(self.format.clone())?;
-        if let Some(file) = self.folders.iter().find(|f| f.is_file()) {
-            return Err(Fatal::usage(format!("{} is not a folder: kiln render takes one asset", file.display())));
-        }
         let console = Console::new(self.options.quiet, self.options.verbose);
-        let discovered = discover(&Discovery {
-            folders: self.folders.clone(),
-            include: globs(&self.include)?,
-            exclude: globs(&self.exclude)?,
-            output: self.out.clone(),
-        });
-        for Unreadable { path, message } in &discovered.unreadable {
-            eprintln!("warning: {} cannot be searched: {message}", path.display());
-        }
-        if discovered.found.is_empty() {
-            let folders: Vec<String> = self.folders.iter().map(|f| f.display().to_string()).collect();
-            let matching = if self.include.is_empty() && self.exclude.is_empty() { "" } else { " that matches" };
-            return Err(Fatal::failed(format!(
-                "no .gltf, .glb, .obj or .ray file{matching} below {}",
-                folders.join(", ")
-            )));
-        }
+        let discovered = self.folders.search(&self.out)?;
         let environment = environment(&settings)?;
         let threads = self.options.start_threads()?;
         let workers = self.jobs.map_or(threads, usize::from);
-        let jobs: Vec<Job> = discovered.found.iter().map(|found| self.job(found, &settings)).collect();
+        let jobs: Vec<Job> =
+            discovered.found.iter().map(|f| job(f, self.options.root.as_deref(), &self.out, &settings)).collect();
         let unwritable =
             |e: std::io::Error| Fatal::failed(format!("{}: cannot be written to: {e}", self.out.display()));
         let manifest = Manifest::begin(&self.out).map_err(unwritable)?;
@@ -111,24 +84,6 @@ impl BatchCommand {
         let whole = discovered.unreadable.is_empty() && recorded.is_ok();
         Ok(Exit::of(&outcomes, whole, interrupt.happened()))
     }
-
-    fn job(&self, found: &Found, settings: &Settings) -> Job {
-        Job {
-            input: found.path.clone(),
-            name: found.name(),
-            root: Some(self.options.root.clone().unwrap_or_else(|| found.folder.clone())),
-            output: Output { folder: self.out.clone(), stem: found.relative.clone(), ending: None },
-            settings: settings.clone(),
-        }
-    }
-}
-
-fn globs(patterns: &[Glob]) -> Result<GlobSet, Fatal> {
-    let mut set = GlobSetBuilder::new();
-    patterns.iter().for_each(|glob| {
-        set.add(glob.clone());
-    });
-    set.build().map_err(|e| Fatal::usage(format!("the globs together: {e}")))
 }
 
 /// The environment file of the settings, read once for all assets.

@@ -5,10 +5,12 @@ mod check;
 mod compare;
 mod console;
 mod exit;
+mod folders;
 mod inspect;
 mod interrupt;
 mod looks;
 mod options;
+mod plan;
 mod progress;
 mod rays;
 mod render;
@@ -27,6 +29,7 @@ Examples:
   kiln render chair.glb                       chair.glb.png in the current folder
   kiln render chair.glb -o chair.exr --width 1024 --spp 256
   kiln inspect chair.glb                      what is in it
+  kiln plan assets                            how long a batch will take
   kiln study chair.glb --out study            what accuracy costs in time: study/report.html
   kiln compare new.png old.png                how much two pictures differ
   kiln check                                  whether this installation computes light correctly
@@ -48,6 +51,8 @@ enum Command {
     Batch(batch::BatchCommand),
     /// Tell what is in an asset
     Inspect(inspect::InspectCommand),
+    /// Foretell how long a batch will take, and how much memory
+    Plan(plan::PlanCommand),
     /// Measure what accuracy costs in time, and write a report
     Study(study::StudyCommand),
     /// Tell how much two pictures differ
@@ -69,6 +74,7 @@ pub fn main() -> ExitCode {
         Command::Render(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Inspect(command) => command.run(),
+        Command::Plan(command) => command.run(),
         Command::Study(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Check(command) => command.run(),

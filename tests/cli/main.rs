@@ -8,6 +8,7 @@ mod determinism;
 mod inspect;
 mod interrupt;
 mod looks;
+mod plan;
 mod quality;
 mod render;
 mod study;

@@ -94,7 +94,7 @@ fn wishes_that_make_no_sense_are_code_2() {
         (&["a.obj"][..], "--out"),
         (&["a.obj", "--out", "out", "--way", "kiln: sampler=pcg"], "a name of its own"),
         (&["a.obj", "--out", "out", "--way", "fast"], "is no way"),
-        (&["a.obj", "--out", "out", "--budget", "-1"], "greater than 0"),
+        (&["a.obj", "--out", "out", "--budget=-1"], "greater than 0"),
     ] {
         let output = kiln(dir.path(), &[&["study"], arguments].concat());
         assert_eq!(code(&output), 2, "{arguments:?}: {}", stderr(&output));
