@@ -19,6 +19,7 @@ mod sah;
 mod sah_simd;
 mod sampled;
 mod slab;
+mod snap;
 mod split;
 mod validate;
 mod wide;

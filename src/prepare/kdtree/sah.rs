@@ -1,6 +1,8 @@
-//! The surface area heuristic: up to 32 bins on each axis, refined to exact reference edges in small cells.
+//! The surface area heuristic: up to 32 bins on each axis, refined to exact reference edges in small cells and moved to an edge
+//! that cuts few references in large ones.
 
 use super::bounds::{Bounds, Reference};
+use super::snap;
 use super::split::{BLOCK, COST_BLOCK, COST_VISIT, Candidate, Cell, Plane, blocks, leaf_cost, split_cost};
 
 /// Above this many references, a sample is binned: what the planes are chosen by hardly changes.
@@ -33,6 +35,9 @@ fn choose_among<const BINS: usize>(refs: &[Reference], cell: &Cell) -> Option<Pl
     if refs.len() <= REFINE_UP_TO {
         let width = (cell.bounds.hi(best.plane.axis) - cell.bounds.lo(best.plane.axis)) / BINS as f32;
         best = refine(refs, cell, best, width);
+    } else {
+        let width = (cell.bounds.hi(best.plane.axis) - cell.bounds.lo(best.plane.axis)) / BINS as f32;
+        best.plane = snap::to_an_edge(refs, cell, best.plane, width);
     }
     let slack = if refs.len() > LARGE_LEAF { LARGE_LEAF_SLACK } else { 1.0 };
     (best.cost < leaf_cost(refs.len()) * cell.bounds.half_area() * slack).then_some(best.plane)
