@@ -243,3 +243,41 @@ fn any_encoding_reads_the_same() {
         assert_eq!(corners(&imported.scene)[1], [1.0, 0.0, 0.0]);
     }
 }
+
+/// A ridge of two squares at a right angle, with the texture coordinates of its edge differing between them.
+const RIDGE: &str = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 1 1 0\nv 0 0 -1\nv 0 1 -1\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n";
+
+#[test]
+fn smoothing_groups_make_normals_within_themselves() {
+    let normals_on_the_edge = |faces: &str| {
+        let scene = read(&format!("{RIDGE}{faces}")).scene;
+        let mut found: Vec<[f32; 3]> = Vec::new();
+        for mesh in &scene.meshes {
+            assert!(mesh.normals.len() == mesh.positions.len() || mesh.normals.is_empty());
+            let on_edge = |p: &[f32; 3]| p[0] == 0.0 && p[2] == 0.0;
+            found.extend(mesh.positions.iter().zip(&mesh.normals).filter(|(p, _)| on_edge(p)).map(|(_, n)| *n));
+        }
+        found.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        found.dedup();
+        found
+    };
+    let [front, side] = ["f 1/1 3/2 4/4 2/3\n", "f 5/1 1/2 2/4 6/3\n"];
+    let half = -std::f32::consts::FRAC_1_SQRT_2;
+    let close = |found: &[[f32; 3]], want: &[[f32; 3]]| {
+        assert_eq!(found.len(), want.len(), "{found:?}");
+        assert!(found.as_flattened().iter().zip(want.as_flattened()).all(|(f, w)| (f - w).abs() < 1e-6), "{found:?}");
+    };
+    close(&normals_on_the_edge(&format!("s 1\n{front}{side}")), &[[half, 0.0, -half]]);
+    // A change of material is no crease; a triangle joins a square.
+    let cut = format!("s 7\nusemtl a\n{front}usemtl b\nf 5/1 1/2 2/4\nf 5/1 2/4 6/3\n");
+    close(&normals_on_the_edge(&cut), &[[half, 0.0, -half]]);
+    // Different groups, of which the second is declared by the word.
+    close(&normals_on_the_edge(&format!("s 2\n{front}s on\n{side}")), &[[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+    assert!(normals_on_the_edge(&format!("{front}{side}")).is_empty(), "none: flat");
+    assert!(normals_on_the_edge(&format!("s 1\ns off\n{front}{side}")).is_empty());
+    // Given normals win.
+    let given = "vn 0 1 0\ns 1\nf 1//1 3//1 4//1 2//1\n";
+    close(&normals_on_the_edge(given), &[[0.0, 1.0, 0.0]]);
+    let warned = read(&format!("{RIDGE}s soft\n{front}")).warnings;
+    assert_eq!(warned.iter().map(|w| w.code.as_str()).collect::<Vec<_>>(), ["bad-smoothing-group"]);
+}

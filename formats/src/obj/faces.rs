@@ -50,6 +50,7 @@ impl Scanner {
                 counts: self.counts,
                 material: self.material,
                 name: self.name.clone(),
+                group: self.group,
             }),
             verdict => self.settle(verdict, line, corners, log),
         }
@@ -57,7 +58,7 @@ impl Scanner {
 
     /// Takes a face statement that waited for the end of the file.
     pub(super) fn deferred_face(&mut self, face: Deferred, log: &mut Log) {
-        (self.material, self.name) = (face.material, face.name);
+        (self.material, self.name, self.group) = (face.material, face.name, face.group);
         let verdict = self.check(&face.corners, face.counts, true);
         self.settle(verdict, face.line, &face.corners, log);
     }
@@ -127,13 +128,17 @@ impl Scanner {
             log.warn("bad-index", line, || format!("'f{}' {note}", short(corners)));
         }
         self.triangles += self.corners.len() as u64 - 2;
+        let smooth = !normals && self.group != 0;
         let next = self.scan.parts.len();
-        let part = *self.part_index.entry((self.material, uvs, normals)).or_insert(next);
+        let part = *self.part_index.entry((self.material, uvs, normals, smooth)).or_insert(next);
         if part == next {
             let name = self.name.clone();
-            self.scan.parts.push(Part { material: self.material, name, faces: Vec::new() });
+            self.scan.parts.push(Part { material: self.material, name, faces: Vec::new(), groups: Vec::new() });
         }
         let Some(part) = self.scan.parts.get_mut(part) else { return };
+        if smooth {
+            part.groups.push(self.group);
+        }
         let out = &mut part.faces;
         out.push(b'f');
         if verbatim {

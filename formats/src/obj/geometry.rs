@@ -1,6 +1,7 @@
 //! From the sound text to meshes, through `tobj`.
 
 use super::scan::Scan;
+use super::smooth::smooth;
 use crate::repair::triangulate::Triangulator;
 use crate::scene::Mesh;
 use crate::{Control, ErrorCode, ImportError};
@@ -67,9 +68,13 @@ pub(super) fn build(scan: &Scan, control: &Control) -> Result<Geometry, ImportEr
     let color_scale = color_scale(&models);
     let mut triangulator = Triangulator::default();
     let mut meshes = Vec::with_capacity(models.len());
-    for model in models {
-        meshes.push(to_mesh(model.mesh, origin, color_scale, &mut triangulator, control)?);
+    let mut groups = Vec::with_capacity(models.len());
+    for (model, part) in models.into_iter().zip(&scan.parts) {
+        let (mesh, of_triangles) = to_mesh(model.mesh, &part.groups, origin, color_scale, &mut triangulator, control)?;
+        meshes.push(mesh);
+        groups.push(of_triangles);
     }
+    smooth(&mut meshes, &groups);
     Ok(Geometry { meshes, transform: DAffine3::from_translation(origin) })
 }
 
@@ -99,40 +104,49 @@ fn srgb_to_linear(encoded: f64) -> f32 {
 
 fn to_mesh(
     mesh: tobj::Mesh,
+    groups: &[u32],
     origin: DVec3,
     color_scale: f64,
     triangulator: &mut Triangulator,
     control: &Control,
-) -> Result<Mesh, ImportError> {
-    let triangles = triangulate(&mesh, triangulator, control)?;
+) -> Result<(Mesh, Vec<u32>), ImportError> {
+    let (triangles, groups) = triangulate(&mesh, groups, triangulator, control)?;
     let uv = |c: &[f64; 2]| [c[0] as f32, (1.0 - c[1]) as f32];
     let color = |c: &[f64; 3]| {
         let [r, g, b] = c.map(|x| srgb_to_linear(x * color_scale));
         [r, g, b, 1.0]
     };
-    Ok(Mesh {
+    let mesh = Mesh {
         positions: points(&mesh.positions).map(|p| (p - origin).as_vec3().to_array()).collect(),
         normals: points(&mesh.normals).map(|n| n.normalize_or(DVec3::Z).as_vec3().to_array()).collect(),
         uvs: [mesh.texcoords.as_chunks().0.iter().map(uv).collect(), Vec::new()],
         colors: mesh.vertex_color.as_chunks().0.iter().map(color).collect(),
         triangles,
         ..Mesh::default()
-    })
+    };
+    Ok((mesh, groups))
 }
 
+/// The triangles, and the smoothing group of each where the faces have any.
 fn triangulate(
     mesh: &tobj::Mesh,
+    groups: &[u32],
     triangulator: &mut Triangulator,
     control: &Control,
-) -> Result<Vec<[u32; 3]>, ImportError> {
+) -> Result<(Vec<[u32; 3]>, Vec<u32>), ImportError> {
     if mesh.face_arities.is_empty() {
-        return Ok(mesh.indices.as_chunks().0.to_vec());
+        return Ok((mesh.indices.as_chunks().0.to_vec(), groups.to_vec()));
     }
+    let mut of_triangles = Vec::new();
     let positions = mesh.positions.as_chunks::<3>().0;
     let mut triangles = Vec::with_capacity(mesh.indices.len().saturating_sub(2 * mesh.face_arities.len()));
     let (mut rest, mut corners) = (mesh.indices.as_slice(), Vec::new());
     let mut since_check = 0;
-    for arity in &mesh.face_arities {
+    for (face_index, arity) in mesh.face_arities.iter().enumerate() {
+        // Those of the face before.
+        if let Some(group) = face_index.checked_sub(1).and_then(|k| groups.get(k)) {
+            of_triangles.resize(triangles.len(), *group);
+        }
         let Some((face, tail)) = rest.split_at_checked(*arity as usize) else { break };
         rest = tail;
         since_check += face.len();
@@ -149,5 +163,8 @@ fn triangulate(
         let corner = |i: u32| face.get(i as usize).copied().unwrap_or_default();
         triangles.extend(triangulator.polygon(&corners).iter().map(|t| t.map(corner)));
     }
-    Ok(triangles)
+    if let Some(group) = groups.last() {
+        of_triangles.resize(triangles.len(), *group);
+    }
+    Ok((triangles, of_triangles))
 }

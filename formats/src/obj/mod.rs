@@ -3,8 +3,8 @@
 //! Text goes through a checking reader (`scan`) that drops or mends what is unsound, with the line; `tobj` parses
 //! what is left; `mtl` and `material` make glTF-like materials of the MTL statements. Choices where the formats are
 //! silent or their exporters disagree:
-//! - one mesh per material (and per presence of normals and texture coordinates); `s` is not used: faces without
-//!   `vn` are flat. Attributes that only some corners of a face have are not used on that face;
+//! - one mesh per material (and per presence of normals and texture coordinates); faces without `vn` are smooth within
+//!   their smoothing group (`s`), and flat without one. Attributes that only some corners of a face have are not used on that face;
 //! - vertex colours are sRGB-encoded display values, 0 … 1 or, if any exceeds 2, 0 … 255; MTL colours are linear;
 //! - a broken vertex costs its faces; a broken index to a texture coordinate or normal costs only that attribute;
 //! - coordinates far from the origin move into the instances' transforms, in double precision.
@@ -18,6 +18,7 @@ mod material;
 mod mtl;
 mod number;
 mod scan;
+mod smooth;
 mod text;
 mod textures;
 mod vertices;

@@ -15,6 +15,8 @@ pub(super) struct Part {
     pub(super) name: String,
     /// The `f` statements, sound and in the file's order.
     pub(super) faces: Vec<u8>,
+    /// Their smoothing groups, or empty: they have normals, or are flat.
+    pub(super) groups: Vec<u32>,
 }
 
 /// A sound OBJ file, sorted: what `tobj` parses, and what it is not asked.
@@ -47,6 +49,7 @@ pub(super) struct Deferred {
     pub(super) counts: Counts,
     pub(super) material: Option<u32>,
     pub(super) name: String,
+    pub(super) group: u32,
 }
 
 #[derive(Default)]
@@ -60,7 +63,9 @@ pub(super) struct Scanner {
     pub(super) colored: u32,
     pub(super) material: Option<u32>,
     pub(super) name: String,
-    pub(super) part_index: HashMap<(Option<u32>, bool, bool), usize>,
+    /// The smoothing group in force, 0 for none.
+    pub(super) group: u32,
+    pub(super) part_index: HashMap<(Option<u32>, bool, bool, bool), usize>,
     pub(super) deferred: Vec<Deferred>,
     pub(super) corners: Vec<[u32; 3]>,
     pub(super) triangles: u64,
@@ -75,8 +80,8 @@ const FREE_FORM: [&str; 11] = ["curv", "curv2", "surf", "bzp", "bsp", "cdc", "cd
 
 /// Statements that change nothing in a picture of polygons.
 #[rustfmt::skip]
-const HARMLESS: [&str; 24] = [
-    "s", "mg", "vp", "deg", "bmat", "step", "cstype", "parm", "trim", "hole", "scrv", "sp", "end", "bevel", "c_interp",
+const HARMLESS: [&str; 23] = [
+    "mg", "vp", "deg", "bmat", "step", "cstype", "parm", "trim", "hole", "scrv", "sp", "end", "bevel", "c_interp",
     "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "maplib", "usemap", "vw",
 ];
 
@@ -130,6 +135,7 @@ impl Scanner {
             b"p" => self.skip("points", line),
             // Not longer than is of use: every face that waits keeps a copy.
             b"o" | b"g" => self.name = operands.trim().chars().take(200).collect(),
+            b"s" => self.smoothing(line, words.next().unwrap_or_default(), log),
             b"usemtl" => self.use_material(line, operands.trim()),
             b"mtllib" => self.scan.libraries.push((line, operands.trim().to_owned())),
             _ => {
@@ -145,6 +151,17 @@ impl Scanner {
 
     fn skip(&mut self, what: &'static str, line: u32) {
         self.skipped.entry(what).or_insert((line, 0)).1 += 1;
+    }
+
+    fn smoothing(&mut self, line: u32, group: &[u8], log: &mut Log) {
+        self.group = match std::str::from_utf8(group).unwrap_or_default() {
+            "off" | "" => 0,
+            "on" => 1,
+            word => word.parse().unwrap_or_else(|_| {
+                log.warn("bad-smoothing-group", line, || format!("'{}' is no smoothing group; none", short(word)));
+                0
+            }),
+        };
     }
 
     fn use_material(&mut self, line: u32, name: &str) {
