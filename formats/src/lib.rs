@@ -15,6 +15,7 @@ pub mod repair;
 pub mod resources;
 pub mod scene;
 mod show;
+pub mod support;
 
 pub use contents::{Clip, Contents, SourceMaterial};
 pub use control::{Control, Stopped};

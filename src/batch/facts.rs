@@ -2,12 +2,14 @@ use super::views;
 use kiln_formats::scene::{
     AlphaMode, ColorSpace, Light, LightKind, Material, Pixels, Projection, Surface, Texture, UpAxis,
 };
-use kiln_formats::{Format, Imported, Scene, Warning};
+use kiln_formats::{Contents, Format, Imported, Scene, Warning};
 use serde::Serialize;
 
 /// What is in an asset, for `kiln inspect`.
 #[derive(Clone, Debug, Serialize)]
 pub struct AssetFacts {
+    /// Version of the JSON form (docs/inspect.md).
+    pub schema: u32,
     /// Its format.
     pub format: Option<Format>,
     /// Files read, the asset with all that it refers to.
@@ -32,6 +34,8 @@ pub struct AssetFacts {
     pub lights: Vec<LightFacts>,
     /// Cameras; the first is the default view.
     pub cameras: Vec<CameraFacts>,
+    /// What the file says about itself.
+    pub contents: Contents,
     /// What was mended or left out.
     pub warnings: Vec<Warning>,
 }
@@ -98,6 +102,7 @@ impl AssetFacts {
         let scene = &imported.scene;
         let corners = |(low, high): (glam::DVec3, glam::DVec3)| [low.to_array(), high.to_array()];
         Self {
+            schema: 1,
             format,
             files: imported.files.len() as u64,
             triangles: scene.triangle_count(),
@@ -110,6 +115,7 @@ impl AssetFacts {
             textures: scene.textures.iter().filter_map(|t| texture(scene, t)).collect(),
             lights: scene.lights.iter().map(light).collect(),
             cameras: scene.cameras.iter().map(camera).collect(),
+            contents: imported.contents.clone(),
             warnings: imported.warnings.clone(),
         }
     }

@@ -1,5 +1,6 @@
 use super::console::print_line;
 use super::exit::{Exit, Fatal};
+use super::looks::LookOptions;
 use super::progress::warning;
 use super::rays::RayOptions;
 use super::summary::plural;
@@ -7,7 +8,7 @@ use clap::Args;
 use kiln::Control;
 use kiln::batch::{AssetFacts, MaterialFacts, TextureFacts, lights_itself};
 use kiln::formats::scene::Projection;
-use kiln::formats::{ErrorCode, Format, ImportOptions, import};
+use kiln::formats::{Contents, ErrorCode, Format, ImportOptions, import};
 use kiln::prepare::{EnvironmentSource, prepare};
 use kiln::settings::{KdTreeBuilder, PrepareSettings, SimdTier};
 use serde_json::{Value, json};
@@ -17,6 +18,7 @@ const EXAMPLES: &str = "\
 Examples:
   kiln inspect chair.glb
   kiln inspect chair.glb --json | jq .textures
+  kiln inspect fox.glb --time-code 0.5
   kiln inspect chair.glb --rays
   kiln inspect chair.glb --rays bounce.rays --stream --threads 2 --json";
 
@@ -42,6 +44,8 @@ pub struct InspectCommand {
     #[arg(long, value_enum, default_value_t, value_name = "TIER")]
     simd: SimdTier,
     #[command(flatten)]
+    looks: LookOptions,
+    #[command(flatten)]
     rays: RayOptions,
 }
 
@@ -53,7 +57,9 @@ impl InspectCommand {
     pub fn run(self) -> Result<Exit, Fatal> {
         let name = self.asset.display().to_string();
         let control = Control::default();
-        let options = ImportOptions { root: self.root.clone(), ..ImportOptions::default() };
+        let look = self.looks.settings();
+        let (root, show, ray) = (self.root.clone(), look.show, look.ray);
+        let options = ImportOptions { root, show, ray, ..ImportOptions::default() };
         let imported = import(&self.asset, &options, &control)
             .map_err(|e| Fatal::failed(format!("{name}: {}: {e}", e.code.as_str())))?;
         let format = Format::of(&self.asset);
@@ -148,8 +154,27 @@ fn text(name: &str, facts: &AssetFacts, own_light: bool) -> String {
         };
         format!("{kind:12} {}{fov}{aspect}", quoted(&c.name))
     });
+    of_file(&mut lines, &facts.contents);
     list(&mut lines, "warning", &facts.warnings, warning);
     lines.join("\n")
+}
+
+/// What the file says about itself.
+fn of_file(lines: &mut Vec<String>, contents: &Contents) {
+    list(lines, "animation", &contents.animations, |clip| {
+        let seconds = clip.seconds.map_or(String::new(), |s| format!(", {s:.2} s"));
+        format!("{}{seconds}, {}", quoted(&clip.name), plural(clip.channels as usize, "channel"))
+    });
+    list(lines, "variant", &contents.variants, |name| quoted(name));
+    list(lines, "extension", &contents.extensions_used, |name| {
+        let required = contents.extensions_required.contains(name);
+        let on = contents.materials.iter().filter(|m| m.extensions.contains(name)).count();
+        let on = if on > 0 { format!(", on {}", plural(on, "material")) } else { String::new() };
+        format!("{name}{}{on}", if required { ", required" } else { "" })
+    });
+    if !contents.generator.is_empty() {
+        lines.push(format!("made by    {}", contents.generator));
+    }
 }
 
 fn material(m: &MaterialFacts) -> String {

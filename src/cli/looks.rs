@@ -12,9 +12,6 @@ pub struct LookOptions {
     /// The animation with this name or index, or all at once [default: the first]
     #[arg(long, value_name = "NAME|all", help_heading = "Looks")]
     animation: Option<String>,
-    /// The turntable plays the animation once, from --time-code on
-    #[arg(long, requires = "turntable", help_heading = "Looks")]
-    play: bool,
     /// The material variant with this name or index, or pictures of all of them
     #[arg(long, value_name = "NAME|all", help_heading = "Looks")]
     variant: Option<String>,
@@ -67,7 +64,7 @@ impl LookOptions {
                 variant: self.variant.clone().filter(|_| !every_variant),
             },
             every_variant,
-            play: self.play,
+            play: false,
             ray: RayOptions {
                 dialect: match self.ray_dialect {
                     RayDialect::Ut => Dialect::Ut,

@@ -3,9 +3,9 @@ use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::settings::{
-    Background, BitDepth, CameraChoice, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder, MOST_SPP,
-    PictureFormat, PictureSettings, PrepareSettings, Preset, RenderSettings, SamplerKind, Settings, SimdTier, Strategy,
-    ToneMap, UpChoice, ViewSettings,
+    Background, BitDepth, CameraChoice, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder, LookSettings,
+    MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset, RenderSettings, SamplerKind, Settings, SimdTier,
+    Strategy, ToneMap, UpChoice, ViewSettings,
 };
 use std::path::PathBuf;
 
@@ -49,6 +49,9 @@ pub struct SettingOptions {
 
     #[command(flatten)]
     looks: LookOptions,
+    /// The turntable plays the animation once, from --time-code on
+    #[arg(long, requires = "turntable", help_heading = "Looks")]
+    play: bool,
 
     /// Camera paths per pixel, at most [default: 64; 65536 where --error or --time ends the render]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1 << 24), help_heading = "Quality")]
@@ -147,7 +150,7 @@ impl SettingOptions {
         let environment = self.env.clone().or_else(|| file.as_ref().map(|f| f.environment.clone()));
         let background = self.background.or_else(|| file.as_ref().map(|f| f.background));
         Ok(Settings {
-            look: self.looks.settings(),
+            look: LookSettings { play: self.play, ..self.looks.settings() },
             views: ViewSettings {
                 width,
                 height,

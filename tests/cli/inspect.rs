@@ -19,6 +19,46 @@ fn it_tells_what_is_in_an_asset() {
 }
 
 #[test]
+fn its_json_is_documented_and_tells_what_the_file_says_of_itself() {
+    let mut asset: Value = serde_json::from_str(&gltf()).expect("JSON");
+    asset["asset"]["generator"] = "by hand".into();
+    asset["extensionsUsed"] = serde_json::json!(["KHR_materials_unlit", "KHR_materials_variants"]);
+    asset["materials"] = serde_json::json!([{"name": "paint", "extensions": {"KHR_materials_unlit": {}}}]);
+    asset["extensions"] = serde_json::json!({"KHR_materials_variants": {"variants": [{"name": "beach"}]}});
+    asset["animations"] = serde_json::json!([{"name": "walk", "channels": [{}], "samplers": [{"input": 0}]}]);
+    let dir = folder(&[("a.gltf", &asset.to_string())]);
+    let output = kiln(dir.path(), &["inspect", "a.gltf", "--json"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let facts: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let contents = serde_json::json!({
+        "generator": "by hand", "extensions_used": ["KHR_materials_unlit", "KHR_materials_variants"],
+        "extensions_required": [], "animations": [{"name": "walk", "seconds": 1.0, "channels": 1}],
+        "variants": ["beach"], "materials": [{"name": "paint", "extensions": ["KHR_materials_unlit"]}]
+    });
+    assert_eq!(facts["contents"], contents);
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/inspect.md")).expect("a page");
+    let listed: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).collect();
+    let printed: Vec<&str> = facts.as_object().expect("an object").keys().map(String::as_str).collect();
+    for key in &printed {
+        assert!(listed.contains(key), "{key} is not documented");
+    }
+    for key in listed {
+        assert!(printed.contains(&key), "{key} is documented and not printed");
+    }
+    for list in ["materials", "textures", "lights", "cameras", "contents", "warnings"] {
+        let row = page.lines().find(|line| line.starts_with(&format!("| `{list}`"))).expect("a row");
+        let item = if list == "contents" { Some(&facts[list]) } else { facts[list].get(0) };
+        for key in item.and_then(Value::as_object).into_iter().flat_map(|o| o.keys()) {
+            assert!(row.contains(&format!("`{key}`")), "{list}.{key} is not documented");
+        }
+    }
+    let text = String::from_utf8(kiln(dir.path(), &["inspect", "a.gltf"]).stdout).expect("text");
+    for told in ["'walk', 1.00 s, 1 channel", "'beach'", "KHR_materials_unlit, on 1 material", "by hand"] {
+        assert!(text.contains(told), "{told} in {text}");
+    }
+}
+
+#[test]
 fn what_cannot_be_read_is_an_error() {
     let dir = folder(&[("broken.gltf", "{")]);
     for name in ["broken.gltf", "nowhere.obj", "."] {

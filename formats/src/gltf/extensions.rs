@@ -5,7 +5,7 @@ use crate::{ErrorCode, ImportError, Place};
 use serde_json::Value;
 
 /// Extensions whose meaning is honoured.
-const SUPPORTED: &[&str] = &[
+pub(crate) const SUPPORTED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -28,7 +28,7 @@ const SUPPORTED: &[&str] = &[
 ];
 
 /// Extensions that change nothing in a picture.
-const WITHOUT_EFFECT: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
+pub(crate) const WITHOUT_EFFECT: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
 
 /// Checks the lists of used and required extensions.
 ///

@@ -15,7 +15,7 @@ mod container;
 mod contents;
 mod document;
 mod draco;
-mod extensions;
+pub(crate) mod extensions;
 mod instancing;
 mod layout;
 mod lights;

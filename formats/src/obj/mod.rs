@@ -17,7 +17,7 @@ mod map;
 mod material;
 mod mtl;
 mod number;
-mod scan;
+pub(crate) mod scan;
 mod smooth;
 mod text;
 mod textures;

@@ -76,11 +76,12 @@ pub(super) struct Scanner {
     unknown: BTreeMap<String, u32>,
 }
 
-const FREE_FORM: [&str; 11] = ["curv", "curv2", "surf", "bzp", "bsp", "cdc", "cdp", "res", "con", "call", "csh"];
+pub(crate) const FREE_FORM: [&str; 11] =
+    ["curv", "curv2", "surf", "bzp", "bsp", "cdc", "cdp", "res", "con", "call", "csh"];
 
 /// Statements that change nothing in a picture of polygons.
 #[rustfmt::skip]
-const HARMLESS: [&str; 23] = [
+pub(crate) const HARMLESS: [&str; 23] = [
     "mg", "vp", "deg", "bmat", "step", "cstype", "parm", "trim", "hole", "scrv", "sp", "end", "bevel", "c_interp",
     "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "maplib", "usemap", "vw",
 ];
