@@ -43,7 +43,7 @@ pub fn markdown() -> String {
     }
     text.push_str(
         "\n## OBJ with MTL (`.obj`)\n\n\
-         UTF-8, UTF-16 and Latin-1; any line ends; continued lines; polygons with holes of no kind, concave ones included;\n\
+         UTF-8, UTF-16 and Latin-1; any line ends; continued lines; polygons, concave ones included;\n\
          smoothing groups (`s`) where faces have no normals; vertex colours. One bad statement costs itself.\n\n\
          | statement | |\n|---|---|\n\
          | `v` `vt` `vn` `f` `fo` `o` `g` `s` `usemtl` `mtllib` | read |\n\
