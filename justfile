@@ -21,3 +21,8 @@ doc:
 # What CI runs; KILN_SHARED names the folder of shared assets and references.
 ci:
     .ci/run
+
+# Measure the claims of 2018 again: docs/seed-claims.md. Needs Pillow.
+seed-claims:
+    cargo build --release --bin kiln --example seed_claims
+    scripts/seed_claims.py

@@ -1,4 +1,5 @@
 use super::cell::measure;
+use super::identity::{content, key, metadata, text_of};
 use super::reference::Effort;
 use super::run::{Observer, Progress, Study, Subject, picture_path};
 use super::{Cell, Reference, Store, Way};
@@ -7,8 +8,8 @@ use crate::batch::{Job, Ready, StageSeconds, make_ready};
 use crate::film::Film;
 use crate::integrate::{PassTally, render_pass};
 use crate::metrics::Show;
-use crate::settings::{Exposure, PrepareSettings, RenderSettings, Settings};
-use crate::write::{Metadata, atomic, display, png};
+use crate::settings::{Exposure, PrepareSettings, Settings};
+use crate::write::{atomic, display, png};
 use kiln_formats::{Control, Stopped};
 use std::time::Instant;
 
@@ -138,7 +139,7 @@ impl Bench<'_> {
         let stem = store.folder().join("references").join(&subject.stem);
         let mut settings = self.job.settings.clone();
         settings.render.seed = settings.render.seed.wrapping_add(REFERENCE_SEED);
-        let key = key(&[&content(ready), &text_of(&settings)?]);
+        let key = key(&[&content(ready), &text_of(&settings).map_err(Ended::Unwritable)?]);
         let view = &ready.views[0];
         let texels = u64::from(view.width) * u64::from(view.height);
         let effort = match self.study.reference_spp {
@@ -168,7 +169,7 @@ impl Bench<'_> {
     fn cells(&self, run: &Run, subject: &mut Subject, store: &mut Store) -> Result<(), Ended> {
         let facts = &run.reference.facts;
         let spp = facts.spp.to_string();
-        let name = key(&[&content(run.ready), &text_of(run.settings)?, &facts.key, &spp]);
+        let name = key(&[&content(run.ready), &text_of(run.settings).map_err(Ended::Unwritable)?, &facts.key, &spp]);
         let known = store.of_run(&name);
         let ladder = self.study.ladder;
         let next = known.last().map_or(ladder.first(), |c| run.next(ladder, c.spp, c.cpu_seconds.render));
@@ -269,40 +270,5 @@ impl Run<'_> {
     fn next<'l>(&self, ladder: &'l [u32], spp: u32, cpu_seconds: f64) -> Option<&'l u32> {
         let next = ladder.iter().find(|n| **n > spp)?;
         (cpu_seconds * f64::from(*next) / f64::from(spp) <= self.share).then_some(next)
-    }
-}
-
-fn content(ready: &Ready) -> String {
-    ready.outcome.content.clone().unwrap_or_default()
-}
-
-/// Settings as text; how many samples there are is no part of a run's identity, nor what changes no pixel.
-fn text_of(settings: &Settings) -> Result<String, Ended> {
-    let mut settings = settings.clone();
-    settings.render.spp = 0;
-    settings.prepare.simd = Default::default();
-    serde_json::to_string(&settings).map_err(|e| Ended::Unwritable(e.to_string()))
-}
-
-fn key(parts: &[&str]) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    for part in parts {
-        hasher.update(&[0]);
-        hasher.update(part.as_bytes());
-    }
-    hasher.finalize().to_hex()[..24].to_string()
-}
-
-fn metadata(name: &str, settings: &RenderSettings, spp: u32) -> Metadata {
-    Metadata {
-        software: Metadata::software(),
-        source: name.into(),
-        content: String::new(),
-        settings: String::new(),
-        seed: settings.seed,
-        spp,
-        view: 0,
-        stated: None,
     }
 }

@@ -8,6 +8,7 @@ mod analysis;
 mod bench;
 mod bias;
 mod cell;
+mod identity;
 mod machine;
 pub mod plot;
 mod publish;
