@@ -68,6 +68,16 @@ def ggx_furnace(alpha, degrees, f0, nodes=500):
     return total / nodes**2
 
 
+def compensated_furnace(alpha, degrees, f0):
+    """As ggx_furnace, times what multiple scattering adds: 1 + F Ē/(1 − F(1 − Ē)) · (1 − E)/E with E the albedo of a white
+    surface at this angle, Ē its mean over the cosine (32 midpoints over cos²), F = (albedo with F0)/E (Turquin 2019)."""
+    white, coloured = ggx_furnace(alpha, degrees, 1.0), ggx_furnace(alpha, degrees, f0)
+    angles = [acos(sqrt((k + 0.5) / 32)) * 180 / pi for k in range(32)]
+    mean = sum(ggx_furnace(alpha, angle, 1.0, 120) for angle in angles) / 32
+    f = coloured / white
+    return coloured * (1 + f * mean / (1 - f * (1 - mean)) * (1 - white) / white)
+
+
 def slab(reflectance, transmittance):
     """Reflected and transmitted together by a plate in a white world: R + T²a/(1 − Ra), T = 1 − R."""
     r, a = reflectance, transmittance

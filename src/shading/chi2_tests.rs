@@ -107,6 +107,18 @@ fn lobes_sample_what_they_claim() {
 }
 
 #[test]
+fn lobes_of_layers_sample_what_they_claim() {
+    for (name, lobe) in layer_lobes() {
+        for cos_o in [0.8, 0.15] {
+            assert_bsdf(&format!("{name}, cos {cos_o}"), &only(lobe), direction(cos_o, 0.4));
+        }
+    }
+    let (name, p, layers) = layered_materials().pop().expect("there are some");
+    let wo = direction(0.6, 0.4);
+    assert_bsdf(name, &Bsdf::layered(&p, &layers, wo), wo);
+}
+
+#[test]
 fn mixes_sample_what_they_claim() {
     for cos_o in [0.9, 0.1] {
         for (name, bsdf) in mixed_materials(cos_o) {

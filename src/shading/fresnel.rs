@@ -1,5 +1,6 @@
 //! How much of the light an interface reflects.
 
+use super::colour::luminance;
 use glam::Vec3;
 
 /// Schlick's approximation F0 + (F90 − F0)(1 − cos θ)⁵, with F90 free as in KHR_materials_specular.
@@ -21,6 +22,12 @@ impl Schlick {
     #[inline]
     pub fn at(&self, cos: f32) -> Vec3 {
         self.f0 + (self.f90 - self.f0) * schlick_weight(cos)
+    }
+
+    /// Importance of a lobe with this term that scatters `estimate` in all. Where the term is 0 at one angle (F0 = 0) the
+    /// lobe may still scatter at others.
+    pub fn importance(&self, estimate: Vec3) -> f32 {
+        luminance(estimate).max(0.01 * luminance(self.f0.max(self.f90)))
     }
 }
 

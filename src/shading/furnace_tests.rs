@@ -40,6 +40,10 @@ const COSINES: [f32; 6] = [1e-5, 0.01, 0.1, 0.3, 0.7, 1.0];
 const ROUGHNESSES: [f32; 7] = [0.0, 0.04, 0.15, 0.3, 0.5, 0.8, 1.0];
 /// By how much the albedo table may be too low: a white plastic sends E(true) + 1 − E(table).
 const TABLE_ERROR: f64 = 0.005;
+/// By how much the albedos of layers together may be too low.
+const LAYERS_ERROR: f64 = 0.02;
+/// By how much the albedo of an anisotropic lobe may be too low.
+const GRAIN_ERROR: f64 = 0.055;
 
 #[test]
 fn no_material_sends_more_than_it_gets() {
@@ -74,6 +78,79 @@ fn no_material_sends_more_than_it_gets() {
         }
     }
     println!("the brightest: {} at {}", brightest.0, brightest.1);
+}
+
+/// Metal, plastic, rough glass from both sides and rough thin walls, as white as can be, give back all light at every
+/// roughness: what one bounce loses is made up for.
+#[test]
+fn white_materials_lose_nothing() {
+    for cos_o in [0.1, 0.3, 0.7, 1.0] {
+        for roughness in [0.1, 0.3, 0.5, 0.8, 1.0] {
+            let base = MetalRoughParams { roughness, ..plastic() };
+            let glass = MetalRoughParams { transmission: 1.0, ..base };
+            let materials = [
+                ("metal", MetalRoughParams { metallic: 1.0, ..base }),
+                ("half metal", MetalRoughParams { metallic: 0.5, ..base }),
+                ("plastic", base),
+                ("wall", MetalRoughParams { thin_walled: true, ..glass }),
+                ("glass", glass),
+                ("glass from inside", MetalRoughParams { entering: false, ..glass }),
+                ("half glass", MetalRoughParams { transmission: 0.5, ..base }),
+            ];
+            for (name, p) in materials {
+                let (mean, error) = by_bsdf(&Bsdf::metal_rough(&p, cos_o), direction(cos_o, 0.3), 20_000);
+                // The tables of glass err on the dark side by up to 0.05, the others by 0.01.
+                let least = if name.contains("glass") { 0.95 } else { 0.99 };
+                let spread = most_errors() * error[0];
+                assert!(mean[0] + spread > least, "{name}, roughness {roughness}, cos {cos_o}: {mean:?} ± {error:?}");
+                assert!(mean[0] - spread < 1.0 + TABLE_ERROR, "{name}, roughness {roughness}, cos {cos_o}: {mean:?}");
+            }
+        }
+    }
+}
+
+/// Layers on white materials, and what they may lose: a coat and sheen that take the most that any channel loses from all,
+/// films whose reflectance at the viewer's angle stands for all, coats whose normal points elsewhere.
+#[test]
+fn layers_make_no_light_and_lose_little() {
+    let mut darkest = (2.0, String::new());
+    for cos_o in [0.05, 0.2, 0.5, 0.8, 1.0] {
+        for roughness in [0.0, 0.2, 0.5, 1.0] {
+            for (name, p, layers) in layered_materials() {
+                let wo = direction(cos_o, 0.3);
+                let bsdf = Bsdf::layered(&MetalRoughParams { roughness, ..p }, &layers, wo);
+                let (mean, error) = by_bsdf(&bsdf, wo, 10_000);
+                let at = format!("{name}, roughness {roughness}, cos {cos_o}: {mean:?} ± {error:?}");
+                for c in 0..3 {
+                    let most = if name.contains("brushed") { GRAIN_ERROR } else { LAYERS_ERROR };
+                    assert!(mean[c] - most_errors() * error[c] < 1.0 + most, "{at}");
+                }
+                if mean[0] < darkest.0
+                    && !matches!(name, "everything" | "bent coat")
+                    && !name.contains("film")
+                    && !name.contains("brushed")
+                {
+                    darkest = (mean[0], at);
+                }
+            }
+        }
+    }
+    println!("the darkest: {darkest:?}");
+    assert!(darkest.0 > 0.9, "{darkest:?}");
+}
+
+#[test]
+fn without_layers_the_layered_model_is_the_plain_one() {
+    for p in [plastic(), MetalRoughParams { metallic: 0.3, transmission: 0.5, ..plastic() }] {
+        for cos_o in [0.1, 0.9] {
+            let wo = direction(cos_o, 0.3);
+            let (plain, layered) = (Bsdf::metal_rough(&p, cos_o), Bsdf::layered(&p, &LayerParams::NONE, wo));
+            for wi in [direction(0.3, 1.0), direction(0.9, 4.0), direction(-0.6, 3.0)] {
+                let ((a, pdf_a), (b, pdf_b)) = (plain.eval(wo, wi), layered.eval(wo, wi));
+                assert!((a - b).abs().max_element() <= 1e-6 && (pdf_a - pdf_b).abs() < 1e-5, "{a} {b} {pdf_a} {pdf_b}");
+            }
+        }
+    }
 }
 
 #[test]

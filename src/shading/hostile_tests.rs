@@ -61,6 +61,30 @@ fn metal_rough() -> impl Strategy<Value = MetalRoughParams> {
         })
 }
 
+fn layers() -> impl Strategy<Value = LayerParams> {
+    let coat = (parameter(), parameter(), unit_vector());
+    let film = (parameter(), index(), prop_oneof![3 => 0f32..2000.0, 1 => parameter()]);
+    let rest = (colour(), parameter(), parameter(), parameter(), colour(), parameter());
+    (coat, film, rest).prop_map(|((clearcoat, clearcoat_roughness, clearcoat_normal), film, rest)| {
+        let (iridescence, iridescence_ior, iridescence_thickness) = film;
+        let (sheen_color, sheen_roughness, anisotropy, diffuse_transmission, through, diffuse_roughness) = rest;
+        LayerParams {
+            clearcoat,
+            clearcoat_roughness,
+            clearcoat_normal,
+            sheen_color,
+            sheen_roughness,
+            iridescence,
+            iridescence_ior,
+            iridescence_thickness,
+            anisotropy,
+            diffuse_transmission,
+            diffuse_transmission_color: through,
+            diffuse_roughness,
+        }
+    })
+}
+
 fn phong() -> impl Strategy<Value = PhongParams> {
     let exponent = prop_oneof![3 => 0f32..1000.0, 1 => parameter(), 1 => 1e4f32..1e9];
     (colour(), colour(), exponent, colour(), colour(), index(), any::<bool>()).prop_map(
@@ -115,6 +139,18 @@ proptest! {
         u in [random_number(), random_number()],
     ) {
         finite_everywhere(&Bsdf::metal_rough(&p, wo.z.abs()), wo, wi, u_lobe, u)?;
+    }
+
+    #[test]
+    fn layers_are_finite(
+        p in metal_rough(),
+        layers in layers(),
+        wo in unit_vector(),
+        wi in unit_vector(),
+        u_lobe in random_number(),
+        u in [random_number(), random_number()],
+    ) {
+        finite_everywhere(&Bsdf::layered(&p, &layers, wo), wo, wi, u_lobe, u)?;
     }
 
     #[test]

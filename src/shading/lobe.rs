@@ -2,8 +2,13 @@
 
 use super::colour::luminance;
 use super::fresnel::{Interface, Schlick};
-use super::{albedo, dielectric, ggx_reflection, lambert, mirror, rough_dielectric, thin_wall};
-use glam::Vec3;
+use super::sheen::{self, Charlie};
+use super::thin_film::ThinFilm;
+use super::thin_wall::flip;
+use super::{
+    albedo, anisotropic, coat, dielectric, ggx_reflection, lambert, mirror, rough_dielectric, rough_diffuse, thin_wall,
+};
+use glam::{Vec2, Vec3};
 
 /// A lobe with its parameters and weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +27,18 @@ pub enum Lobe {
     Straight { tint: Vec3 },
     /// A rough thin wall's transmission.
     RoughThinWall { alpha: f32, tint: Vec3 },
+    /// Diffuse reflection of a rough surface.
+    RoughDiffuse { albedo: Vec3, roughness: f32 },
+    /// Diffuse light from the other side.
+    DiffuseTransmission { tint: Vec3 },
+    /// Rough reflection with a grain: the roughnesses along x and y.
+    GgxAnisotropic { alpha: Vec2, fresnel: Schlick },
+    /// Rough reflection by a thin film on a base.
+    ThinFilm { alpha: Vec2, film: ThinFilm, tint: Vec3 },
+    /// A clear coat with a normal of its own.
+    Coat { alpha: f32, strength: f32, normal: Vec3 },
+    /// Microfibres.
+    Sheen { color: Vec3, charlie: Charlie },
 }
 
 /// One direction of a delta lobe.
@@ -59,6 +76,12 @@ impl Lobe {
             Self::RoughDielectric { .. } => "rough-dielectric",
             Self::Straight { .. } => "thin-wall",
             Self::RoughThinWall { .. } => "rough-thin-wall",
+            Self::RoughDiffuse { .. } => "rough-diffuse",
+            Self::DiffuseTransmission { .. } => "diffuse-transmission",
+            Self::GgxAnisotropic { .. } => "anisotropic-reflection",
+            Self::ThinFilm { .. } => "thin-film",
+            Self::Coat { .. } => "coat",
+            Self::Sheen { .. } => "sheen",
         }
     }
 
@@ -69,7 +92,7 @@ impl Lobe {
 
     /// Whether it scatters smoothly to the other side.
     pub fn transmits_smoothly(&self) -> bool {
-        matches!(self, Self::RoughDielectric { .. } | Self::RoughThinWall { .. })
+        matches!(self, Self::RoughDielectric { .. } | Self::RoughThinWall { .. } | Self::DiffuseTransmission { .. })
     }
 
     /// (η_i/η_t)² in smoothly transmitted values. A model has no more than one lobe that refracts.
@@ -95,6 +118,16 @@ impl Lobe {
                 (thin_wall::eval(*alpha, *tint, wo, wi), thin_wall::pdf(*alpha, wo, wi))
             }
             Self::Mirror { .. } | Self::Dielectric { .. } | Self::Straight { .. } => (Vec3::ZERO, 0.0),
+            Self::RoughDiffuse { albedo, roughness } => {
+                (rough_diffuse::eval(*albedo, *roughness, wo, wi), lambert::pdf(wi))
+            }
+            Self::DiffuseTransmission { tint } => (lambert::eval(*tint, flip(wi)), lambert::pdf(flip(wi))),
+            Self::GgxAnisotropic { alpha, fresnel } => anisotropic::eval(*alpha, wo, wi)
+                .map_or((Vec3::ZERO, 0.0), |(f, cos)| (fresnel.at(cos) * f, anisotropic::pdf(*alpha, wo, wi))),
+            Self::ThinFilm { alpha, film, tint } => anisotropic::eval(*alpha, wo, wi)
+                .map_or((Vec3::ZERO, 0.0), |(f, cos)| (film.at(cos) * *tint * f, anisotropic::pdf(*alpha, wo, wi))),
+            Self::Coat { alpha, strength, normal } => coat::eval(*alpha, *strength, *normal, wo, wi),
+            Self::Sheen { color, charlie } => (*color * charlie.eval(wo, wi), sheen::pdf(wi)),
         }
     }
 
@@ -108,6 +141,13 @@ impl Lobe {
                 rough_dielectric::sample(*alpha, interface, wo, u_choice, u).map(Sampled::Smooth)
             }
             Self::RoughThinWall { alpha, .. } => thin_wall::sample(*alpha, wo, u).map(Sampled::Smooth),
+            Self::RoughDiffuse { .. } => Some(Sampled::Smooth(lambert::sample(u))),
+            Self::DiffuseTransmission { .. } => Some(Sampled::Smooth(flip(lambert::sample(u)))),
+            Self::GgxAnisotropic { alpha, .. } | Self::ThinFilm { alpha, .. } => {
+                anisotropic::sample(*alpha, wo, u).map(Sampled::Smooth)
+            }
+            Self::Coat { alpha, normal, .. } => coat::sample(*alpha, *normal, wo, u).map(Sampled::Smooth),
+            Self::Sheen { .. } => Some(Sampled::Smooth(sheen::sample(u))),
             Self::Mirror { fresnel } => Some(Sampled::Delta(mirror::sample(fresnel, wo))),
             Self::Dielectric { interface } => dielectric::sample(interface, wo, u_choice).map(Sampled::Delta),
             Self::Straight { tint } => Some(Sampled::Delta(thin_wall::sample_straight(*tint, wo))),
@@ -116,18 +156,23 @@ impl Lobe {
 
     /// About how much light it scatters in all, for choosing among lobes: never 0 for a lobe that scatters.
     pub fn importance(&self, cos_o: f32) -> f32 {
-        // Where Fresnel's term is 0 at one angle (F0 = 0) the lobe may still scatter at others.
-        let at_least = |estimate: Vec3, f: &Schlick| luminance(estimate).max(0.01 * luminance(f.f0.max(f.f90)));
         match self {
             Self::Lambert { albedo } => luminance(*albedo),
-            Self::GgxReflection { alpha, fresnel } => at_least(albedo::ggx(fresnel, cos_o, *alpha), fresnel),
-            Self::Mirror { fresnel } => at_least(fresnel.at(cos_o), fresnel),
+            Self::GgxReflection { alpha, fresnel } => fresnel.importance(albedo::ggx(fresnel, cos_o, *alpha)),
+            Self::Mirror { fresnel } => fresnel.importance(fresnel.at(cos_o)),
             Self::Dielectric { interface } | Self::RoughDielectric { interface, .. } => {
                 let split = interface.split(cos_o);
                 luminance(split.reflected + split.transmitted)
                     .max(0.01 * luminance(interface.reflect + interface.transmit))
             }
-            Self::Straight { tint } | Self::RoughThinWall { tint, .. } => luminance(*tint),
+            Self::Straight { tint } | Self::RoughThinWall { tint, .. } | Self::DiffuseTransmission { tint } => {
+                luminance(*tint)
+            }
+            Self::RoughDiffuse { albedo, .. } => luminance(*albedo),
+            Self::GgxAnisotropic { fresnel, .. } => fresnel.importance(fresnel.at(cos_o)),
+            Self::ThinFilm { film, tint, .. } => luminance(film.at(cos_o) * *tint).max(0.01 * luminance(*tint)),
+            Self::Coat { strength, .. } => strength * coat::fresnel(cos_o),
+            Self::Sheen { color, .. } => luminance(*color),
         }
     }
 }

@@ -1,22 +1,29 @@
-//! How surfaces scatter light: one lobe a file, each with `eval`, `pdf` and `sample`, and two models made of them.
+//! How surfaces scatter light: one lobe a file, each with `eval`, `pdf` and `sample`, and the models made of them.
 //!
 //! Directions are unit vectors in the shading frame (+z the shading normal). `wo` points to the viewer, `wi` to the
 //! light. What is computed is for paths that start at the camera, so refracted values carry the (η_i/η_t)² of radiance:
 //! it cancels on paths that leave the body again.
 
 mod albedo;
+mod anisotropic;
+mod coat;
 mod colour;
 mod dielectric;
 mod fresnel;
 mod ggx_reflection;
+mod glass_albedo;
 mod lambert;
 mod lanes;
+mod layered;
 mod lobe;
 mod metal_rough;
 mod microfacet;
 mod mirror;
 mod phong;
 mod rough_dielectric;
+mod rough_diffuse;
+mod sheen;
+mod thin_film;
 mod thin_wall;
 
 #[cfg(test)]
@@ -31,6 +38,7 @@ mod model_tests;
 mod test_support;
 
 pub use lanes::{RoughLanes, RoughLobes};
+pub use layered::LayerParams;
 pub use metal_rough::MetalRoughParams;
 pub use phong::PhongParams;
 
@@ -38,8 +46,8 @@ use crate::math::warp;
 use glam::Vec3;
 use lobe::{Lobe, Sampled};
 
-/// The most lobes a model has.
-const MAX_LOBES: usize = 4;
+/// The most lobes a model has: coat, sheen, reflection, that of a film, diffuse, diffuse through, through.
+const MAX_LOBES: usize = 7;
 
 /// Directions nearer to the surface than this cosine scatter nothing: there, f32 cosines are rounding errors.
 const GRAZING: f32 = 1e-6;
@@ -89,7 +97,11 @@ impl Bsdf {
 
     /// Adds a lobe, unless it is black; its importance is kept until [`Self::normalised`] makes probabilities of them.
     fn push(&mut self, lobe: Lobe, cos_o: f32) {
-        let importance = lobe.importance(cos_o);
+        self.push_known(lobe, lobe.importance(cos_o));
+    }
+
+    /// As [`Self::push`] for a lobe whose importance is known.
+    fn push_known(&mut self, lobe: Lobe, importance: f32) {
         if importance > 0.0 && self.count < MAX_LOBES {
             self.lobes[self.count] = lobe;
             self.probability[self.count] = importance;

@@ -2,8 +2,10 @@
 
 use super::fresnel::{Interface, Schlick};
 use super::lobe::Lobe;
-use super::{Bsdf, MetalRoughParams, PhongParams};
-use glam::Vec3;
+use super::sheen::Charlie;
+use super::thin_film::ThinFilm;
+use super::{Bsdf, LayerParams, MetalRoughParams, PhongParams};
+use glam::{Vec2, Vec3};
 
 /// Numbers for tests: SplitMix64 (Steele et al. 2014).
 pub struct Random(pub u64);
@@ -117,5 +119,65 @@ pub fn mixed_materials(cos_o: f32) -> Vec<(&'static str, Bsdf)> {
             let p = PhongParams { diffuse: tint * 0.2, transmission: Vec3::ONE, ..black_phong() };
             phong(PhongParams { entering: false, ..p })
         }),
+    ]
+}
+
+/// Every kind of smooth lobe of the layers, with its name.
+pub fn layer_lobes() -> Vec<(String, Lobe)> {
+    let fresnel = Schlick::constant(Vec3::ONE);
+    let film = ThinFilm { ior: 1.6, thickness: 420.0, base_f0: Vec3::splat(0.3) };
+    vec![
+        ("rough diffuse".into(), Lobe::RoughDiffuse { albedo: Vec3::splat(0.9), roughness: 0.8 }),
+        ("diffuse transmission".into(), Lobe::DiffuseTransmission { tint: Vec3::ONE }),
+        ("anisotropic".into(), Lobe::GgxAnisotropic { alpha: Vec2::new(0.6, 0.1), fresnel }),
+        ("across".into(), Lobe::GgxAnisotropic { alpha: Vec2::new(0.05, 1.0), fresnel }),
+        ("thin film".into(), Lobe::ThinFilm { alpha: Vec2::splat(0.3), film, tint: Vec3::ONE }),
+        ("coat".into(), Lobe::Coat { alpha: 0.2, strength: 1.0, normal: direction(0.95, 2.0) }),
+        ("sheen".into(), Lobe::Sheen { color: Vec3::ONE, charlie: Charlie::new(0.4) }),
+    ]
+}
+
+/// Materials with layers, as white as can be, with their names.
+pub fn layered_materials() -> Vec<(&'static str, MetalRoughParams, LayerParams)> {
+    let none = LayerParams::NONE;
+    let coat = LayerParams { clearcoat: 1.0, ..none };
+    let film = LayerParams { iridescence: 1.0, iridescence_ior: 1.8, iridescence_thickness: 350.0, ..none };
+    let metal = MetalRoughParams { metallic: 1.0, ..plastic() };
+    let glass = MetalRoughParams { transmission: 1.0, ..plastic() };
+    vec![
+        ("polished coat", plastic(), coat),
+        ("rough coat on metal", metal, LayerParams { clearcoat_roughness: 0.6, ..coat }),
+        (
+            "bent coat",
+            plastic(),
+            LayerParams { clearcoat_normal: direction(0.9, 1.0), clearcoat_roughness: 0.3, ..coat },
+        ),
+        ("cloth", plastic(), LayerParams { sheen_color: Vec3::ONE, sheen_roughness: 0.4, ..none }),
+        ("coated cloth", plastic(), LayerParams { sheen_color: Vec3::ONE, sheen_roughness: 0.7, ..coat }),
+        ("soap film", plastic(), film),
+        ("half a film on metal", metal, LayerParams { iridescence: 0.5, ..film }),
+        ("film on glass", glass, film),
+        ("brushed metal", metal, LayerParams { anisotropy: 0.7, ..none }),
+        ("brushed plastic with a film", plastic(), LayerParams { anisotropy: 0.4, ..film }),
+        ("leaf", plastic(), LayerParams { diffuse_transmission: 0.6, ..none }),
+        ("sandstone", plastic(), LayerParams { diffuse_roughness: 1.0, ..none }),
+        (
+            "everything",
+            MetalRoughParams { transmission: 0.4, metallic: 0.2, ..plastic() },
+            LayerParams {
+                clearcoat: 0.5,
+                clearcoat_roughness: 0.2,
+                clearcoat_normal: direction(0.97, 4.0),
+                sheen_color: Vec3::new(0.8, 0.4, 0.1),
+                sheen_roughness: 0.5,
+                iridescence: 0.5,
+                iridescence_ior: 1.4,
+                iridescence_thickness: 500.0,
+                anisotropy: 0.5,
+                diffuse_transmission: 0.3,
+                diffuse_transmission_color: Vec3::new(0.2, 0.9, 0.1),
+                diffuse_roughness: 0.5,
+            },
+        ),
     ]
 }

@@ -29,7 +29,8 @@ pub fn sample(alpha: f32, wo: Vec3, u: [f32; 2]) -> Option<Vec3> {
     ggx_reflection::sample(alpha, wo, u).map(flip)
 }
 
+/// The mirror image on the other side of the surface.
 #[inline]
-fn flip(w: Vec3) -> Vec3 {
+pub fn flip(w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, -w.z)
 }
