@@ -70,6 +70,64 @@ fn materials_carry_their_extensions() {
 }
 
 #[test]
+fn layers_come_from_their_extensions() {
+    let mut b = triangle();
+    let png = b.view(&gltf_common::png());
+    b.doc["images"] = json!([{"bufferView": png, "mimeType": "image/png"}]);
+    b.doc["textures"] = json!([{"source": 0}]);
+    b.doc["materials"] = json!([{"extensions": {
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0.9, "clearcoatRoughnessTexture": {"index": 0}, "clearcoatRoughnessFactor": 0.2},
+        "KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 2], "sheenRoughnessFactor": 0.3},
+        "KHR_materials_iridescence": {
+            "iridescenceFactor": 0.8, "iridescenceIor": 0.5, "iridescenceThicknessMinimum": 50,
+            "iridescenceThicknessTexture": {"index": 0, "texCoord": 1}
+        },
+        "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.4, "diffuseTransmissionTexture": {"index": 0}},
+        "KHR_materials_diffuse_roughness": {"diffuseRoughnessFactor": 0.7}
+    }}]);
+    b.doc["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let (scene, warnings) = b.import().unwrap();
+    let told: Vec<_> =
+        warnings.iter().filter(|w| w.code == "factor-out-of-range").map(|w| w.place.to_string()).collect();
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert!(
+        told.iter().any(|t| t.contains("/materials/0/extensions/KHR_materials_sheen/sheenColorFactor")),
+        "{told:?}"
+    );
+    let l = scene.materials[0].layers().unwrap();
+    assert_eq!((l.clearcoat.factor, l.clearcoat_roughness.factor), (0.9, 0.2));
+    assert_eq!((l.clearcoat_roughness.channel, l.diffuse_transmission.channel), (Channel::G, Channel::A));
+    assert!(l.clearcoat_roughness.texture.is_some() && l.clearcoat.texture.is_none());
+    assert_eq!((l.sheen_color.factor, l.sheen_roughness.factor), ([0.1, 0.2, 1.0], 0.3));
+    let thickness = l.iridescence_thickness;
+    assert_eq!(
+        (l.iridescence_ior, thickness.bias, thickness.factor, thickness.channel),
+        (1.0, 50.0, 350.0, Channel::G)
+    );
+    assert_eq!(thickness.texture.unwrap().uv_set, 1);
+    assert_eq!((l.diffuse_transmission.factor, l.diffuse_roughness.factor), (0.4, 0.7));
+    assert_eq!(l.diffuse_transmission_color.factor, [1.0; 3]);
+}
+
+#[test]
+fn glossiness_is_the_reverse_of_roughness() {
+    let mut b = triangle();
+    let png = b.view(&gltf_common::png());
+    b.doc["images"] = json!([{"bufferView": png, "mimeType": "image/png"}]);
+    b.doc["textures"] = json!([{"source": 0}]);
+    b.doc["materials"] = json!([{"extensions": {"KHR_materials_pbrSpecularGlossiness": {
+        "diffuseFactor": [0.5, 0.25, 1, 0.75], "specularFactor": [0.02, 0.04, 0.08], "glossinessFactor": 0.25,
+        "specularGlossinessTexture": {"index": 0}
+    }}}]);
+    b.doc["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let (scene, _) = b.import().unwrap();
+    let m = metal_rough(&scene.materials[0]);
+    assert_eq!((m.base_color.factor, m.specular_color.factor), ([0.5, 0.25, 1.0], [0.5, 1.0, 2.0]));
+    assert_eq!((m.roughness.bias, m.roughness.factor, m.roughness.channel), (1.0, -0.25, Channel::A));
+    assert_eq!(m.roughness.texture, m.specular_color.texture);
+}
+
+#[test]
 fn the_default_material_is_a_rough_metal() {
     let (scene, _) = triangle().import().unwrap();
     let m = metal_rough(&scene.materials[0]);

@@ -1,16 +1,16 @@
-use crate::geometry::Attributes;
-use crate::geometry::textures::{color, lookup, scalar};
+use super::material;
+use crate::geometry::textures::Reader;
 use crate::lighting::Receiver;
 use crate::math::Frame;
 use crate::math::Hit;
 use crate::math::float_error::{gamma, offset_point};
 use crate::prepare::PreparedScene;
-use crate::shading::{Bsdf, MetalRoughParams, PhongParams, RoughLobes};
+use crate::shading::{Bsdf, RoughLobes};
 use glam::Vec3;
-use kiln_formats::scene::{Material, MaterialId, NormalMap, Phong, Surface};
+use kiln_formats::scene::{Layers, MaterialId};
 
-/// The least cosine between the viewer and a shading normal: beyond it the normal is bent back, since a viewer below
-/// the shading horizon would see black (numerics: clamp to the visible side).
+/// The least cosine between the viewer and a shading normal that leans away from him: beyond it the normal is bent back,
+/// since a viewer below the shading horizon would see black (numerics: clamp to the visible side).
 const LEAST_COSINE: f32 = 0.02;
 
 /// A point on a surface, seen from one side.
@@ -99,22 +99,46 @@ pub(super) struct Outgoing {
 
 impl Vertex {
     /// The vertex at a hit, which is at `place`, seen against the unit direction `dir`. `index_around` is the index of
-    /// refraction around the body that the surface bounds.
-    pub(super) fn new(prepared: &PreparedScene, hit: &Hit, place: Place, dir: Vec3, index_around: f32) -> Self {
+    /// refraction around the body that the surface bounds, `width` that of the ray's cone.
+    pub(super) fn new(
+        prepared: &PreparedScene,
+        hit: &Hit,
+        place: Place,
+        dir: Vec3,
+        index_around: f32,
+        width: f32,
+    ) -> Self {
         let (scene, geometry) = (&prepared.scene, &prepared.geometry);
         let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
         let (wo, front) = (-dir, place.front);
         let outward = if front { place.normal } else { -place.normal };
         let material = &scene.materials[place.material as usize];
         let attributes = geometry.attributes(scene, hit.triangle, b);
-        let shading = attributes.normal.unwrap_or(outward);
-        let shading = match &material.normal_map {
-            Some(map) => mapped_normal(prepared, map, shading, &attributes).unwrap_or(shading),
-            None => shading,
+        let unmapped = attributes.normal.unwrap_or(outward);
+        let footprint = match scene.textures.is_empty() {
+            true => [0.0; 2],
+            false => geometry.texture_density(scene, hit.triangle).map(|density| width * width * density),
         };
-        let frame = Frame::from_normal(visible_normal(shading, place.normal, wo));
+        let textures = Reader { scene, pyramids: &prepared.pyramids, uv: attributes.uv, footprint };
+        let point =
+            material::Point { prepared, triangle: hit.triangle, material, attributes: &attributes, b, front, textures };
+        let shading = match &material.normal_map {
+            Some(map) => point.mapped_normal(map, unmapped).unwrap_or(unmapped),
+            None => unmapped,
+        };
+        let visible = |normal| visible_normal(normal, place.normal, wo);
+        let normal = visible(shading);
+        let grain = material.layers().and_then(|layers| point.grain(layers));
+        let frame = match grain {
+            Some((tangent, _)) => Frame::from_normal_and_tangent(normal, tangent),
+            None => Frame::from_normal(normal),
+        };
         let wo_local = frame.to_local(wo);
-        let bsdf = bsdf(prepared, hit.triangle, material, &attributes, b, front, index_around, wo_local.z);
+        let coat = |layers: &Layers| {
+            let own = point.coat_normal(layers, unmapped);
+            own.map_or(Vec3::Z, |normal| frame.to_local(visible(normal)).normalize())
+        };
+        let bsdf = point.bsdf(index_around, wo_local, grain.map_or(0.0, |(_, strength)| strength), coat);
         // Light samples aim from one point, and what is transmitted starts at the triangle.
         let smooth = attributes.normal.is_some() && !bsdf.transmits_smoothly();
         let lift = if smooth { lift(prepared, &place, b) } else { Vec3::ZERO };
@@ -191,86 +215,14 @@ fn lift(prepared: &PreparedScene, place: &Place, b: [f32; 3]) -> Vec3 {
     lift
 }
 
-/// The shading normal on the viewer's side of the surface, bent towards the viewer where he would be below its
-/// horizon.
+/// The shading normal on the viewer's side of the surface, bent towards the viewer where he would be below its horizon.
+/// A viewer who sees the face itself at a grazing angle sees it so: the face's own normal is never bent.
 fn visible_normal(shading: Vec3, normal: Vec3, wo: Vec3) -> Vec3 {
     let shading = if shading.dot(normal) < 0.0 { -shading } else { shading };
     let cosine = shading.dot(wo);
-    if cosine >= LEAST_COSINE {
+    let least = LEAST_COSINE.min(normal.dot(wo));
+    if cosine >= least {
         return shading;
     }
-    (shading + wo * (LEAST_COSINE - cosine)).try_normalize().filter(|n| n.dot(wo) > 0.0).unwrap_or(normal)
-}
-
-/// Perturbed normal from a tangent-space map: glTF's `normalize(sampled · vec3(scale, scale, 1))` in the basis of
-/// tangent, bitangent and normal.
-fn mapped_normal(prepared: &PreparedScene, map: &NormalMap, normal: Vec3, attributes: &Attributes) -> Option<Vec3> {
-    let (tangent, handedness) = attributes.tangent?;
-    let texel = lookup(&prepared.scene, &map.texture, &attributes.uv).truncate() * 2.0 - 1.0;
-    let tangent = (tangent - normal * normal.dot(tangent)).try_normalize()?;
-    let bitangent = normal.cross(tangent) * handedness;
-    (tangent * (texel.x * map.scale) + bitangent * (texel.y * map.scale) + normal * texel.z).try_normalize()
-}
-
-#[expect(clippy::too_many_arguments, reason = "what a material depends on")]
-fn bsdf(
-    prepared: &PreparedScene,
-    triangle: u32,
-    material: &Material,
-    attributes: &Attributes,
-    b: [f32; 3],
-    front: bool,
-    index_around: f32,
-    cos_o: f32,
-) -> Bsdf {
-    let (scene, uv) = (&prepared.scene, &attributes.uv);
-    match &material.surface {
-        Surface::Unlit(_) => Bsdf::BLACK,
-        Surface::MetalRough(m) => Bsdf::metal_rough(
-            &MetalRoughParams {
-                base_color: color(scene, &m.base_color, uv) * attributes.color.truncate(),
-                metallic: scalar(scene, &m.metallic, uv),
-                roughness: scalar(scene, &m.roughness, uv),
-                specular: scalar(scene, &m.specular, uv),
-                specular_color: color(scene, &m.specular_color, uv),
-                ior: if m.volume.is_some() { m.ior / index_around } else { m.ior },
-                transmission: scalar(scene, &m.transmission, uv),
-                thin_walled: m.volume.is_none(),
-                entering: front,
-            },
-            cos_o,
-        ),
-        Surface::Phong(own) => {
-            let (mesh, corners) = prepared.geometry.source(scene, triangle);
-            let mut p = PhongParams {
-                diffuse: Vec3::ZERO,
-                specular: Vec3::ZERO,
-                exponent: 0.0,
-                mirror: Vec3::ZERO,
-                transmission: Vec3::ZERO,
-                ior: 0.0,
-                entering: front,
-            };
-            let mut add = |phong: &Phong, weight: f32| {
-                p.diffuse += color(scene, &phong.diffuse, uv) * weight;
-                p.specular += color(scene, &phong.specular, uv) * weight;
-                p.exponent += scalar(scene, &phong.exponent, uv) * weight;
-                p.mirror += color(scene, &phong.mirror, uv) * weight;
-                p.transmission += color(scene, &phong.transmission, uv) * weight;
-                p.ior += scalar(scene, &phong.ior, uv) * weight;
-            };
-            if mesh.vertex_materials.is_empty() {
-                add(own, 1.0);
-            } else {
-                for k in 0..3 {
-                    let id = mesh.vertex_materials[corners[k]];
-                    if let Surface::Phong(phong) = &scene.materials[id as usize].surface {
-                        add(phong, b[k]);
-                    }
-                }
-            }
-            p.diffuse *= attributes.color.truncate();
-            Bsdf::phong(&p, cos_o)
-        }
-    }
+    (shading + wo * (least - cosine)).try_normalize().filter(|n| n.dot(wo) > 0.0).unwrap_or(normal)
 }

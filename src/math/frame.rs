@@ -27,6 +27,14 @@ impl Frame {
         }
     }
 
+    /// The basis around a unit normal whose x is as near to `tangent` as can be; any basis where that lies along the normal.
+    pub fn from_normal_and_tangent(normal: Vec3, tangent: Vec3) -> Self {
+        match (tangent - normal * normal.dot(tangent)).try_normalize() {
+            Some(x) => Self { x, y: normal.cross(x), z: normal },
+            None => Self::from_normal(normal),
+        }
+    }
+
     /// Components of a world vector along the basis.
     #[inline]
     pub fn to_local(&self, v_world: Vec3) -> Vec3 {

@@ -1,9 +1,10 @@
 //! Materials: metal and roughness with their extensions.
 
+use super::layers::Object;
 use super::report::Report;
 use super::textures::Textures;
 use crate::scene::{
-    Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Material, MetalRough, NormalMap, ScalarInput, Surface,
+    Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Layers, Material, MetalRough, NormalMap, ScalarInput, Surface,
     TextureRef, UvTransform, Volume,
 };
 use gltf::json;
@@ -12,7 +13,6 @@ use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::material as source;
 use gltf::json::texture::Info;
 use gltf::json::validation::Checked;
-use serde_json::Value;
 
 /// Materials converted so far.
 #[derive(Default)]
@@ -21,7 +21,7 @@ pub(super) struct Materials {
     pub(super) list: Vec<Material>,
     /// Textures that they use.
     pub(super) textures: Textures,
-    /// Ids by (glTF material or default, without its normal map).
+    /// Ids by (glTF material or default, without what needs tangents).
     ids: std::collections::BTreeMap<(Option<usize>, bool), u32>,
 }
 
@@ -41,26 +41,37 @@ impl Materials {
         id
     }
 
-    /// The normal map of a material.
-    pub(super) fn normal_map(&self, id: u32) -> Option<NormalMap> {
-        self.list.get(id as usize).and_then(|m| m.normal_map)
+    /// The texture reference for whose coordinates a material needs tangents, if it needs any: a normal map's, or that of
+    /// the anisotropy (the first set without a texture).
+    pub(super) fn tangent_source(&self, id: u32) -> Option<TextureRef> {
+        let material = self.list.get(id as usize)?;
+        let layers = material.layers().filter(|l| l.need_tangents());
+        let coat = layers.and_then(|l| l.clearcoat_normal_map);
+        let maps = material.normal_map.or(coat).map(|n| n.texture);
+        maps.or(layers.map(|l| l.anisotropy_texture.unwrap_or(TextureRef::new(0))))
     }
 
-    /// The same material without its normal map, for primitives that cannot carry one.
-    pub(super) fn without_normal_map(&mut self, material: Option<usize>, id: u32) -> u32 {
+    /// The same material without normal maps and anisotropy, for primitives that cannot carry them.
+    pub(super) fn without_tangents(&mut self, material: Option<usize>, id: u32) -> u32 {
         *self.ids.entry((material, true)).or_insert_with(|| {
             let plain = self.list.get(id as usize).cloned().unwrap_or_default();
-            self.list.push(Material { normal_map: None, ..plain });
+            let mut plain = Material { normal_map: None, ..plain };
+            if let Surface::MetalRough(MetalRough { layers: Some(layers), .. }) = &mut plain.surface {
+                *layers = Layers { anisotropy: 0.0, clearcoat_normal_map: None, ..*layers };
+            }
+            self.list.push(plain);
             (self.list.len() - 1) as u32
         })
     }
 }
 
-struct Converter<'a, 'r> {
+/// Converts one material; extensions that need more room have files of their own.
+pub(super) struct Converter<'a, 'r> {
     root: &'a json::Root,
     textures: &'a mut Textures,
-    report: &'a mut Report<'r>,
-    place: String,
+    pub(super) report: &'a mut Report<'r>,
+    /// JSON pointer of the material.
+    pub(super) place: String,
 }
 
 impl Converter<'_, '_> {
@@ -68,9 +79,9 @@ impl Converter<'_, '_> {
         use ColorSpace::{Linear, Srgb};
         let none = Extensions::default();
         let extensions = m.extensions.as_ref().unwrap_or(&none);
-        let glossy = extensions.others.get("KHR_materials_pbrSpecularGlossiness");
+        let glossy = Object::of(extensions, "KHR_materials_pbrSpecularGlossiness");
         let (mut surface, [.., base_alpha], base_texture) = match glossy {
-            Some(value) => self.specular_glossiness(value),
+            Some(object) => self.specular_glossiness(&object),
             None => {
                 let pbr = &m.pbr_metallic_roughness;
                 let texture =
@@ -83,8 +94,8 @@ impl Converter<'_, '_> {
                 let roughness = self.unit(pbr.roughness_factor.0, "pbrMetallicRoughness/roughnessFactor");
                 let surface = MetalRough {
                     base_color: ColorInput { factor: [r, g, b], texture },
-                    metallic: ScalarInput { factor: metallic, texture: rough, channel: Channel::B },
-                    roughness: ScalarInput { factor: roughness, texture: rough, channel: Channel::G },
+                    metallic: ScalarInput { factor: metallic, texture: rough, channel: Channel::B, bias: 0.0 },
+                    roughness: ScalarInput { factor: roughness, texture: rough, channel: Channel::G, bias: 0.0 },
                     ..MetalRough::default()
                 };
                 (surface, factor, texture)
@@ -92,6 +103,7 @@ impl Converter<'_, '_> {
         };
         self.specular_and_transmission(extensions, &mut surface);
         let unlit = extensions.unlit.is_some();
+        surface.layers = if unlit { None } else { self.layers(extensions) };
         let emission = if unlit { ColorInput::BLACK } else { self.emission(m, extensions) };
         let normal_map = m.normal_texture.as_ref().filter(|_| !unlit).and_then(|n| self.normal_map(n));
         if m.occlusion_texture.is_some() {
@@ -112,7 +124,7 @@ impl Converter<'_, '_> {
         };
         let value = match mode {
             AlphaMode::Opaque => ScalarInput::constant(1.0),
-            _ => ScalarInput { factor: base_alpha, texture: base_texture, channel: Channel::A },
+            _ => ScalarInput { factor: base_alpha, texture: base_texture, channel: Channel::A, bias: 0.0 },
         };
         Material {
             name: m.name.clone().unwrap_or_default(),
@@ -148,7 +160,7 @@ impl Converter<'_, '_> {
             let place = "extensions/KHR_materials_specular";
             let texture = self.texture(s.specular_texture.as_ref(), Linear, &format!("{place}/specularTexture"));
             let factor = self.unit(s.specular_factor.0, &format!("{place}/specularFactor"));
-            surface.specular = ScalarInput { factor, texture, channel: Channel::A };
+            surface.specular = ScalarInput { factor, texture, channel: Channel::A, bias: 0.0 };
             let texture =
                 self.texture(s.specular_color_texture.as_ref(), Srgb, &format!("{place}/specularColorTexture"));
             let at = format!("{place}/specularColorFactor");
@@ -171,7 +183,7 @@ impl Converter<'_, '_> {
             let texture =
                 self.texture(t.transmission_texture.as_ref(), Linear, &format!("{place}/transmissionTexture"));
             let factor = self.unit(t.transmission_factor.0, &format!("{place}/transmissionFactor"));
-            surface.transmission = ScalarInput { factor, texture, channel: Channel::R };
+            surface.transmission = ScalarInput { factor, texture, channel: Channel::R, bias: 0.0 };
         }
         // The thickness is for rasterizers; here it only tells a solid from a thin wall.
         if let Some(v) = extensions.volume.as_ref().filter(|v| v.thickness_factor.0 > 0.0) {
@@ -187,40 +199,11 @@ impl Converter<'_, '_> {
         }
     }
 
-    /// KHR_materials_pbrSpecularGlossiness as a dielectric whose F0 is the specular colour: `0.04 · specular_color` at
-    /// the index of refraction 1.5. The glossiness texture, which is the wrong way round, is lost.
-    fn specular_glossiness(&mut self, value: &Value) -> (MetalRough, [f32; 4], Option<TextureRef>) {
-        let name = "extensions/KHR_materials_pbrSpecularGlossiness";
-        let place = format!("{}/{name}", self.place);
-        self.report.once("approximated-extension", place, "specular-glossiness is approximated by a dielectric");
-        let numbers = |key: &str, default: f32| {
-            let items = value.get(key).and_then(Value::as_array);
-            let number = move |k: usize| items.and_then(|i| i.get(k)?.as_f64()).map_or(default, |x| x as f32);
-            [number(0), number(1), number(2), number(3)]
-        };
-        let info = |key: &str| value.get(key).and_then(|t| serde_json::from_value::<Info>(t.clone()).ok());
-        let diffuse =
-            self.texture(info("diffuseTexture").as_ref(), ColorSpace::Srgb, &format!("{name}/diffuseTexture"));
-        let specular = info("specularGlossinessTexture");
-        let specular = self.texture(specular.as_ref(), ColorSpace::Srgb, &format!("{name}/specularGlossinessTexture"));
-        let factor = numbers("diffuseFactor", 1.0).map(|x| self.unit(x, &format!("{name}/diffuseFactor")));
-        let [sr, sg, sb, _] = numbers("specularFactor", 1.0).map(|x| self.unit(x, &format!("{name}/specularFactor")));
-        let glossiness = value.get("glossinessFactor").and_then(Value::as_f64).unwrap_or(1.0) as f32;
-        let [r, g, b, _] = factor;
-        let surface = MetalRough {
-            base_color: ColorInput { factor: [r, g, b], texture: diffuse },
-            roughness: ScalarInput::constant(1.0 - self.unit(glossiness, &format!("{name}/glossinessFactor"))),
-            specular_color: ColorInput { factor: [sr, sg, sb].map(|x| x / 0.04), texture: specular },
-            ..MetalRough::default()
-        };
-        (surface, factor, diffuse)
-    }
-
-    fn unit(&mut self, value: f32, name: &str) -> f32 {
+    pub(super) fn unit(&mut self, value: f32, name: &str) -> f32 {
         self.factor(value, 1.0, name)
     }
 
-    fn factor(&mut self, value: f32, max: f32, name: &str) -> f32 {
+    pub(super) fn factor(&mut self, value: f32, max: f32, name: &str) -> f32 {
         if (0.0..=max).contains(&value) {
             return value;
         }
@@ -230,7 +213,7 @@ impl Converter<'_, '_> {
         sound
     }
 
-    fn texture(&mut self, info: Option<&Info>, space: ColorSpace, name: &str) -> Option<TextureRef> {
+    pub(super) fn texture(&mut self, info: Option<&Info>, space: ColorSpace, name: &str) -> Option<TextureRef> {
         let info = info?;
         let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref());
         self.reference(info.index.value(), info.tex_coord, transform, space, name)

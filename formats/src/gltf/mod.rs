@@ -16,7 +16,9 @@ mod contents;
 mod document;
 mod draco;
 pub(crate) mod extensions;
+mod glossiness;
 mod instancing;
+mod layers;
 mod layout;
 mod lights;
 mod materials;
@@ -224,17 +226,17 @@ fn read_mesh(
             let message = "there is no such material; the default one is used";
             reader.report.warn("missing-material", format!("{place}/material"), message);
         }
-        let normal_map = known.and_then(|m| root.materials.get(m)).is_some_and(|m| m.normal_texture.is_some());
-        let posed = reader.read(primitive, &place, pose, normal_map)?;
+        let tangents = known.and_then(|m| root.materials.get(m)).is_some_and(layers::may_need_tangents);
+        let posed = reader.read(primitive, &place, pose, tangents)?;
         reader.control.advance(1);
         let Some(mut posed) = posed else { continue };
         let mut material = materials.id(root, known, reader.report);
-        match materials.normal_map(material) {
-            Some(map) => {
-                if let Err(why) = primitive::complete_tangents(&mut posed.mesh, &map) {
-                    let message = format!("{why}: the normal map is left out");
+        match materials.tangent_source(material) {
+            Some(source) => {
+                if let Err(why) = primitive::complete_tangents(&mut posed.mesh, &source) {
+                    let message = format!("{why}: the normal map (and anisotropy) is left out");
                     reader.report.warn("normal-map-ignored", place, message);
-                    material = materials.without_normal_map(known, material);
+                    material = materials.without_tangents(known, material);
                 }
             }
             None => posed.mesh.tangents = Vec::new(),

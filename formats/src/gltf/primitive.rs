@@ -186,16 +186,17 @@ impl Reader<'_, '_> {
     }
 }
 
-/// Gives a mesh with a normal map its tangents where it has none, for the map's texture coordinates.
+/// Gives a mesh its tangents where it has none, for the texture coordinates that `source` reads. A mesh without normals is
+/// flat (glTF 2.0, 3.7.2.1).
 ///
 /// # Errors
 /// Why there can be none; the mesh is as it was.
 pub(super) fn complete_tangents(
     mesh: &mut Mesh,
-    map: &crate::scene::NormalMap,
+    source: &crate::scene::TextureRef,
 ) -> Result<(), repair::tangents::NoTangents> {
     if mesh.tangents.is_empty() {
-        repair::tangents::generate(mesh, usize::from(map.texture.uv_set), &map.texture.transform)?;
+        repair::tangents::generate(mesh, usize::from(source.uv_set), &source.transform)?;
     }
     Ok(())
 }

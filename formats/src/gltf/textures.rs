@@ -4,7 +4,7 @@ use super::basisu;
 use super::buffers::Buffers;
 use super::report::Report;
 use super::uri;
-use crate::scene::{ColorSpace, Filter, Image, Material, Scene, Surface, Texture, TextureRef, Wrap};
+use crate::scene::{ColorSpace, Filter, Image, Material, NormalMap, Scene, Surface, Texture, TextureRef, Wrap};
 use crate::{Control, ErrorCode, ImportError, Limits, Place, Resources, images};
 use gltf::json;
 use gltf::json::texture::{MagFilter, WrappingMode};
@@ -200,20 +200,26 @@ fn renumber(material: &mut Material, ids: &[Option<u32>]) {
         let texture = ids.get(reference.texture as usize).copied().flatten()?;
         Some(TextureRef { texture, ..reference })
     };
+    let normal_map = |n: NormalMap| Some(NormalMap { texture: new(n.texture)?, ..n });
     let mut slots = vec![&mut material.emission.texture, &mut material.alpha.value.texture];
     match &mut material.surface {
-        Surface::MetalRough(m) => slots.extend([
-            &mut m.base_color.texture,
-            &mut m.metallic.texture,
-            &mut m.roughness.texture,
-            &mut m.specular.texture,
-            &mut m.specular_color.texture,
-            &mut m.transmission.texture,
-        ]),
+        Surface::MetalRough(m) => {
+            slots.extend([
+                &mut m.base_color.texture,
+                &mut m.metallic.texture,
+                &mut m.roughness.texture,
+                &mut m.specular.texture,
+                &mut m.specular_color.texture,
+                &mut m.transmission.texture,
+            ]);
+            if let Some(layers) = &mut m.layers {
+                layers.clearcoat_normal_map = layers.clearcoat_normal_map.and_then(normal_map);
+                slots.extend(layers.texture_slots());
+            }
+        }
         Surface::Unlit(color) => slots.push(&mut color.texture),
         Surface::Phong(_) => {}
     }
     slots.into_iter().for_each(|slot| *slot = slot.and_then(new));
-    material.normal_map =
-        material.normal_map.and_then(|n| Some(crate::scene::NormalMap { texture: new(n.texture)?, ..n }));
+    material.normal_map = material.normal_map.and_then(normal_map);
 }

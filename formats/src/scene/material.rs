@@ -20,15 +20,17 @@ pub struct ColorInput {
     pub texture: Option<TextureRef>,
 }
 
-/// A number: a factor, times one channel of a texture where there is one.
+/// A number: a bias plus a factor, the factor times one channel of a texture where there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScalarInput {
-    /// Finite and ≥ 0.
+    /// Finite; ≥ 0 unless there is a bias.
     pub factor: f32,
     /// Multiplies the factor.
     pub texture: Option<TextureRef>,
     /// The channel of the texture that is read.
     pub channel: Channel,
+    /// Added; finite and ≥ 0. The sum with the factor is ≥ 0 too.
+    pub bias: f32,
 }
 
 impl ColorInput {
@@ -51,7 +53,7 @@ impl ColorInput {
 impl ScalarInput {
     /// A number without a texture.
     pub const fn constant(factor: f32) -> Self {
-        Self { factor, texture: None, channel: Channel::R }
+        Self { factor, texture: None, channel: Channel::R, bias: 0.0 }
     }
 }
 
@@ -64,7 +66,109 @@ pub struct Volume {
     pub attenuation_distance: f32,
 }
 
-/// glTF's pbrMetallicRoughness with the extensions specular, ior, transmission and volume.
+/// Layers on and in a metallic-roughness surface, each one of glTF's extensions. The default has none of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layers {
+    /// KHR_materials_clearcoat: strength of the coat.
+    pub clearcoat: ScalarInput,
+    /// Perceptual roughness of the coat.
+    pub clearcoat_roughness: ScalarInput,
+    /// The coat's own normals; the base's normal map does not bend the coat.
+    pub clearcoat_normal_map: Option<NormalMap>,
+    /// KHR_materials_sheen: colour of the fibres.
+    pub sheen_color: ColorInput,
+    /// Perceptual roughness of the fibres.
+    pub sheen_roughness: ScalarInput,
+    /// KHR_materials_iridescence: strength of the thin film.
+    pub iridescence: ScalarInput,
+    /// Index of refraction of the film, ≥ 1.
+    pub iridescence_ior: f32,
+    /// Thickness of the film, nanometres.
+    pub iridescence_thickness: ScalarInput,
+    /// KHR_materials_anisotropy: strength, in [0, 1].
+    pub anisotropy: f32,
+    /// Counter-clockwise angle from the tangent to the rough direction, radians.
+    pub anisotropy_rotation: f32,
+    /// RG: the rough direction in the tangent plane · 0.5 + 0.5, turned by the rotation; B multiplies the strength.
+    pub anisotropy_texture: Option<TextureRef>,
+    /// KHR_materials_diffuse_transmission: share of the diffuse part that goes to the other side.
+    pub diffuse_transmission: ScalarInput,
+    /// Its colour.
+    pub diffuse_transmission_color: ColorInput,
+    /// KHR_materials_diffuse_roughness: roughness of the diffuse part; 0 is Lambert.
+    pub diffuse_roughness: ScalarInput,
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Self {
+            clearcoat: ScalarInput::constant(0.0),
+            clearcoat_roughness: ScalarInput::constant(0.0),
+            clearcoat_normal_map: None,
+            sheen_color: ColorInput::BLACK,
+            sheen_roughness: ScalarInput::constant(0.0),
+            iridescence: ScalarInput::constant(0.0),
+            iridescence_ior: 1.3,
+            iridescence_thickness: ScalarInput::constant(400.0),
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            anisotropy_texture: None,
+            diffuse_transmission: ScalarInput::constant(0.0),
+            diffuse_transmission_color: ColorInput::WHITE,
+            diffuse_roughness: ScalarInput::constant(0.0),
+        }
+    }
+}
+
+impl Layers {
+    /// Every number.
+    pub fn scalars(&self) -> [&ScalarInput; 7] {
+        [
+            &self.clearcoat,
+            &self.clearcoat_roughness,
+            &self.sheen_roughness,
+            &self.iridescence,
+            &self.iridescence_thickness,
+            &self.diffuse_transmission,
+            &self.diffuse_roughness,
+        ]
+    }
+
+    /// Every texture.
+    pub fn textures(&self) -> impl Iterator<Item = TextureRef> + use<> {
+        let scalars = self.scalars().map(|s| s.texture);
+        let others = [
+            self.clearcoat_normal_map.map(|n| n.texture),
+            self.sheen_color.texture,
+            self.anisotropy_texture,
+            self.diffuse_transmission_color.texture,
+        ];
+        scalars.into_iter().chain(others).flatten()
+    }
+
+    /// Every place of a texture, to change it.
+    pub fn texture_slots(&mut self) -> [&mut Option<TextureRef>; 10] {
+        [
+            &mut self.clearcoat.texture,
+            &mut self.clearcoat_roughness.texture,
+            &mut self.sheen_roughness.texture,
+            &mut self.iridescence.texture,
+            &mut self.iridescence_thickness.texture,
+            &mut self.diffuse_transmission.texture,
+            &mut self.diffuse_roughness.texture,
+            &mut self.sheen_color.texture,
+            &mut self.anisotropy_texture,
+            &mut self.diffuse_transmission_color.texture,
+        ]
+    }
+
+    /// Whether a mesh needs tangents for them.
+    pub fn need_tangents(&self) -> bool {
+        self.clearcoat_normal_map.is_some() || self.anisotropy > 0.0
+    }
+}
+
+/// glTF's pbrMetallicRoughness with its extensions; OBJ is mapped to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetalRough {
     /// Albedo of the dielectric part and F0 of the metallic part; vertex colours multiply it.
@@ -83,6 +187,8 @@ pub struct MetalRough {
     pub transmission: ScalarInput,
     /// `Some`: the surface bounds a solid, transmission refracts and is absorbed. `None`: a thin wall.
     pub volume: Option<Volume>,
+    /// What lies on and in the surface besides; `None` is what nearly all have.
+    pub layers: Option<Layers>,
 }
 
 impl Default for MetalRough {
@@ -96,6 +202,7 @@ impl Default for MetalRough {
             ior: 1.5,
             transmission: ScalarInput::constant(0.0),
             volume: None,
+            layers: None,
         }
     }
 }
@@ -135,6 +242,7 @@ impl Default for Phong {
 
 /// How a surface scatters light.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a scene has few materials, and they are read in place")]
 pub enum Surface {
     /// glTF's model; OBJ is mapped to it.
     MetalRough(MetalRough),
@@ -212,18 +320,29 @@ impl Default for Material {
 }
 
 impl Material {
+    /// What else than shape and normals lies on and in the surface.
+    pub fn layers(&self) -> Option<&Layers> {
+        match &self.surface {
+            Surface::MetalRough(m) => m.layers.as_ref(),
+            Surface::Phong(_) | Surface::Unlit(_) => None,
+        }
+    }
+
     /// Every texture that the material reads.
     pub fn textures(&self) -> Vec<TextureRef> {
         let mut all = vec![self.emission.texture, self.alpha.value.texture, self.normal_map.map(|n| n.texture)];
         match &self.surface {
-            Surface::MetalRough(m) => all.extend([
-                m.base_color.texture,
-                m.metallic.texture,
-                m.roughness.texture,
-                m.specular.texture,
-                m.specular_color.texture,
-                m.transmission.texture,
-            ]),
+            Surface::MetalRough(m) => {
+                all.extend([
+                    m.base_color.texture,
+                    m.metallic.texture,
+                    m.roughness.texture,
+                    m.specular.texture,
+                    m.specular_color.texture,
+                    m.transmission.texture,
+                ]);
+                all.extend(m.layers.iter().flat_map(Layers::textures).map(Some));
+            }
             Surface::Phong(p) => all.extend([
                 p.ambient.texture,
                 p.diffuse.texture,

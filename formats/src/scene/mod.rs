@@ -15,7 +15,7 @@ mod validate;
 pub use camera::{Camera, Projection};
 pub use light::{Extent, Falloff, Light, LightKind};
 pub use material::{
-    Alpha, AlphaMode, Channel, ColorInput, Material, MetalRough, NormalMap, Phong, ScalarInput, Surface, Volume,
+    Alpha, AlphaMode, Channel, ColorInput, Layers, Material, MetalRough, NormalMap, Phong, ScalarInput, Surface, Volume,
 };
 pub use mesh::{Instance, Mesh, Primitive};
 pub use texture::{ColorSpace, Filter, Image, Pixels, Texture, TextureRef, UvTransform, Wrap};

@@ -88,17 +88,26 @@ fn check_material(scene: &Scene, i: usize) -> Result<(), InvalidScene> {
     }
     let ok = |x: f32| x.is_finite() && x >= 0.0;
     let color = |c: &super::ColorInput| c.factor.iter().all(|x| ok(*x));
+    let scalar = |s: &super::ScalarInput| ok(s.bias) && ok(s.bias + s.factor) && (s.bias > 0.0 || ok(s.factor));
     let fine = match &material.surface {
         Surface::MetalRough(m) => {
             let v = m.volume.is_none_or(|v| {
                 v.attenuation_distance > 0.0 && v.attenuation_color.iter().all(|c| (0.0..=1.0).contains(c))
             });
             let scalars = [&m.metallic, &m.roughness, &m.specular, &m.transmission];
-            color(&m.base_color) && color(&m.specular_color) && scalars.iter().all(|s| ok(s.factor)) && ok(m.ior) && v
+            let layers = m.layers.is_none_or(|l| {
+                let numbers = [l.anisotropy, l.iridescence_ior];
+                let colors = color(&l.sheen_color) && color(&l.diffuse_transmission_color);
+                let normal = l.clearcoat_normal_map.is_none_or(|n| n.scale.is_finite());
+                let rest = l.anisotropy_rotation.is_finite() && numbers.iter().all(|x| ok(*x));
+                l.scalars().into_iter().all(scalar) && colors && normal && rest
+            });
+            let colors = color(&m.base_color) && color(&m.specular_color);
+            colors && scalars.into_iter().all(scalar) && ok(m.ior) && v && layers
         }
         Surface::Phong(p) => {
             let colors = [&p.ambient, &p.diffuse, &p.specular, &p.mirror, &p.transmission];
-            colors.iter().all(|c| color(c)) && ok(p.exponent.factor) && ok(p.ior.factor)
+            colors.iter().all(|c| color(c)) && scalar(&p.exponent) && scalar(&p.ior)
         }
         Surface::Unlit(c) => color(c),
     };
@@ -107,7 +116,7 @@ fn check_material(scene: &Scene, i: usize) -> Result<(), InvalidScene> {
         _ => true,
     };
     let normal = material.normal_map.is_none_or(|n| n.scale.is_finite());
-    if fine && cutoff && normal && color(&material.emission) && ok(material.alpha.value.factor) {
+    if fine && cutoff && normal && color(&material.emission) && scalar(&material.alpha.value) {
         Ok(())
     } else {
         broken(place("surface"), "a factor is negative, not finite or out of its range")
