@@ -3,7 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
 
 use image::{Rgba, RgbaImage};
-use kiln_formats::scene::{AlphaMode, Channel, ColorSpace, Material, MetalRough, Surface, Wrap};
+use kiln_formats::scene::{AlphaMode, Channel, ColorSpace, Material, MetalRough, Pixels, Surface, Wrap};
 use kiln_formats::{Control, ErrorCode, ImportOptions, Imported, Limits, import};
 use std::path::Path;
 
@@ -146,7 +146,7 @@ newmtl unused\nmap_Kd nobody.png\n";
     let imported = import_in(folder.path(), &obj, mtl);
     let mut told = codes(&imported);
     told.sort_unstable();
-    assert_eq!(told, ["broken-texture", "bump-map-ignored", "missing-texture"]);
+    assert_eq!(told, ["broken-texture", "missing-texture"]);
     let scene = &imported.scene;
     let image_of = |reference: kiln_formats::scene::TextureRef| {
         let texture = scene.textures[reference.texture as usize];
@@ -167,7 +167,11 @@ newmtl unused\nmap_Kd nobody.png\n";
     assert_eq!((a.emission.factor, a.alpha.mode), ([1.0; 3], AlphaMode::Opaque));
     // b: a foreign folder; alpha by the channel named.
     assert_eq!(image_of(surface(1).base_color.texture.unwrap()).0, "C:\\somewhere\\else\\leaf.png");
-    assert_eq!((b.alpha.mode, b.alpha.value.channel, b.normal_map), (AlphaMode::Blend, Channel::G, None));
+    assert_eq!((b.alpha.mode, b.alpha.value.channel), (AlphaMode::Blend, Channel::G));
+    // A level height map bends nothing.
+    let normals = &scene.images[scene.textures[b.normal_map.unwrap().texture.texture as usize].image as usize];
+    let Pixels::Rgba16(normals) = &normals.pixels else { panic!("normals have 16 bits") };
+    assert_eq!(normals[..4], [32768, 32768, 65535, 65535]);
     // c: the colour's own alpha; PBR maps.
     assert_eq!((c.alpha.mode, c.alpha.value.channel, c.alpha.value.factor), (AlphaMode::Blend, Channel::A, 1.0));
     assert_eq!((surface(2).roughness.channel, surface(2).roughness.factor), (Channel::B, 1.0));
@@ -176,7 +180,29 @@ newmtl unused\nmap_Kd nobody.png\n";
     assert_eq!((surface(3).base_color.factor, surface(3).base_color.texture), ([0.8; 3], None));
     assert_eq!((d.alpha.value.channel, d.alpha.value.factor), (Channel::R, 0.5));
     // Each file is decoded once (the hard link is a file of its own), those of unused materials not at all.
-    assert_eq!(scene.images.len(), 5);
+    // The normals of the height map are one more.
+    assert_eq!(scene.images.len(), 6);
+}
+
+#[test]
+fn pbr_fields_are_layers() {
+    let mtl = "newmtl m\nPr 0.3\nPm 0.1\nPs 0.4\nPc 0.5\nPcr 0.03\naniso 0.6\nanisor 0.25\n";
+    let folder = tempfile::tempdir().unwrap();
+    let imported = import_in(
+        folder.path(),
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n",
+        mtl,
+    );
+    assert_eq!(codes(&imported), [] as [&str; 0]);
+    let layers = imported.scene.materials[0].layers().expect("has some");
+    assert_eq!((layers.clearcoat.factor, layers.clearcoat_roughness.factor), (0.5, 0.03));
+    assert_eq!((layers.sheen_color.factor, layers.sheen_roughness.factor), ([0.4; 3], 0.3));
+    assert_eq!((layers.anisotropy, layers.anisotropy_rotation), (0.6, std::f32::consts::FRAC_PI_2));
+    // A grain needs tangents, and those need normals: the file's flat face gets both.
+    let mesh = &imported.scene.meshes[0];
+    assert_eq!((mesh.normals[0], mesh.tangents[0]), ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]));
+    let plain = with("Ps 0\nPc 0\naniso 0\n");
+    assert!(plain.scene.materials[0].layers().is_none());
 }
 
 #[test]

@@ -5,8 +5,10 @@ use super::map::Map;
 use super::mtl::Mtl;
 use super::textures::Textures;
 use crate::scene::{
-    Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Material, MetalRough, NormalMap, ScalarInput, Surface, Volume,
+    Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Layers, Material, MetalRough, NormalMap, ScalarInput, Surface,
+    Volume,
 };
+use std::f32::consts::TAU;
 
 /// Albedo where the file says nothing.
 const GREY: [f32; 3] = [0.8; 3];
@@ -65,6 +67,7 @@ pub(super) fn lower(mtl: &Mtl, textures: &mut Textures, log: &mut Log) -> Materi
     } else {
         classic(mtl, textures, &mut surface);
     }
+    surface.layers = layers(mtl, textures, surface.roughness);
     let glass = is_glass(mtl, opacity);
     if glass {
         transmit(mtl, opacity, &mut surface);
@@ -87,7 +90,7 @@ pub(super) fn lower(mtl: &Mtl, textures: &mut Textures, log: &mut Log) -> Materi
         // Lights of OBJ scenes shine from the front alone.
         emission_two_sided: false,
         alpha,
-        normal_map: normal_map(mtl, textures, log),
+        normal_map: normal_map(mtl, textures),
         double_sided: true,
     }
 }
@@ -97,9 +100,25 @@ fn scalar(textures: &mut Textures, map: Option<&Map>, factor: Option<f32>, defau
     let texture = map.and_then(|map| textures.texture(map, ColorSpace::Linear));
     let factor = factor.unwrap_or(if texture.is_some() { 1.0 } else { default }).min(1.0);
     let channel = map.and_then(|m| m.channel).unwrap_or(Channel::R);
-    // `-mm 0 gain` is a factor; another base cannot be expressed.
-    let gain = map.filter(|m| texture.is_some() && m.range[0] == 0.0).map_or(1.0, |m| m.range[1].max(0.0));
-    ScalarInput { factor: factor * gain, texture, channel }
+    // `-mm base gain`: the texel counts as base + gain · texel.
+    let [base, gain] = map.filter(|_| texture.is_some()).map_or([0.0, 1.0], |m| m.range.map(|x| x.max(0.0)));
+    ScalarInput { factor: factor * gain, texture, channel, bias: factor * base }
+}
+
+/// The layers of the PBR fields, if one is in effect. Sheen has no roughness of its own there and takes the surface's.
+fn layers(mtl: &Mtl, textures: &mut Textures, roughness: ScalarInput) -> Option<Layers> {
+    let sheen = scalar(textures, mtl.sheen_map.as_ref(), mtl.sheen, 0.0);
+    let layers = Layers {
+        clearcoat: scalar(textures, mtl.clearcoat_map.as_ref(), mtl.clearcoat, 0.0),
+        clearcoat_roughness: scalar(textures, mtl.clearcoat_roughness_map.as_ref(), mtl.clearcoat_roughness, 0.0),
+        sheen_color: ColorInput { factor: [sheen.factor; 3], texture: sheen.texture },
+        sheen_roughness: roughness,
+        anisotropy: mtl.anisotropy.unwrap_or(0.0).min(1.0),
+        anisotropy_rotation: mtl.anisotropy_rotation.filter(|r| r.is_finite()).unwrap_or(0.0) * TAU,
+        ..Layers::default()
+    };
+    let in_effect = layers.clearcoat.factor > 0.0 || !layers.sheen_color.is_black() || layers.anisotropy > 0.0;
+    in_effect.then_some(layers)
 }
 
 /// Specular reflection from Ks, Ns and illum.
@@ -204,23 +223,25 @@ fn alpha(mtl: &Mtl, opacity: f32, textures: &mut Textures) -> Alpha {
     }
     if let Some(map) = mtl.diffuse_map.as_ref().filter(|map| has_alpha(textures, map)) {
         let texture = textures.texture(map, ColorSpace::Srgb);
-        return Alpha { mode: AlphaMode::Blend, value: ScalarInput { factor: opacity, texture, channel: Channel::A } };
+        return Alpha {
+            mode: AlphaMode::Blend,
+            value: ScalarInput { factor: opacity, texture, channel: Channel::A, bias: 0.0 },
+        };
     }
     let mode = if opacity < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque };
     Alpha { mode, value: ScalarInput::constant(opacity) }
 }
 
-fn normal_map(mtl: &Mtl, textures: &mut Textures, log: &mut Log) -> Option<NormalMap> {
+fn normal_map(mtl: &Mtl, textures: &mut Textures) -> Option<NormalMap> {
     if let Some(map) = &mtl.normal_map
         && let Some(texture) = textures.texture(map, ColorSpace::Linear)
     {
         return Some(NormalMap { texture, scale: map.strength });
     }
     let map = mtl.bump_map.as_ref()?;
-    if !textures.look(map)?.is_normal_map {
-        log.warn("bump-map-ignored", &map.place, || format!("'{}' is a height map, which is not used", map.file));
-        return None;
+    if textures.look(map)?.is_normal_map {
+        let texture = textures.texture(map, ColorSpace::Linear)?;
+        return Some(NormalMap { texture, scale: map.strength });
     }
-    let texture = textures.texture(map, ColorSpace::Linear)?;
-    Some(NormalMap { texture, scale: map.strength })
+    Some(NormalMap { texture: textures.normals_of_heights(map)?, scale: map.strength })
 }

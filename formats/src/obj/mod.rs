@@ -11,6 +11,7 @@
 
 mod faces;
 mod geometry;
+mod heights;
 mod libraries;
 mod log;
 mod map;
@@ -24,7 +25,7 @@ mod textures;
 mod vertices;
 
 use crate::repair::tangents;
-use crate::scene::{Instance, MaterialId, Mesh, UpAxis};
+use crate::scene::{Instance, Material, MaterialId, Mesh, TextureRef, UpAxis};
 use crate::{Control, ImportError, Resources, Scene, Warning};
 use std::collections::BTreeMap;
 
@@ -86,10 +87,14 @@ fn import_logged(
         let id = scene.meshes.len() as u32;
         scene.instances.push(Instance { name: name.clone(), mesh: id, transform: geometry.transform });
         let mut mesh = Mesh { name, material, ..mesh };
-        if let Some(map) = scene.materials.get(material as usize).and_then(|m| m.normal_map) {
-            let made = tangents::generate(&mut mesh, usize::from(map.texture.uv_set), &map.texture.transform);
+        let lowered = scene.materials.get(material as usize);
+        let grain = lowered.and_then(Material::layers).filter(|l| l.need_tangents()).map(|_| TextureRef::new(0));
+        let source = lowered.and_then(|m| m.normal_map).map(|n| n.texture).or(grain);
+        if let Some(source) = source {
+            let made = tangents::generate(&mut mesh, usize::from(source.uv_set), &source.transform);
             if let Err(why) = made {
-                let message = || format!("the normal map of material '{material_name}' is left out: {why}");
+                let message =
+                    || format!("the normal map or anisotropy of material '{material_name}' is left out: {why}");
                 log.warn("normal-map-ignored", "", message);
             }
         }

@@ -28,12 +28,25 @@ pub(super) struct Mtl {
     pub(super) illumination: Option<u32>,
     pub(super) roughness: Option<f32>,
     pub(super) metallic: Option<f32>,
+    /// `Ps`.
+    pub(super) sheen: Option<f32>,
+    /// `Pc`, called a thickness: the strength of the coat.
+    pub(super) clearcoat: Option<f32>,
+    /// `Pcr`.
+    pub(super) clearcoat_roughness: Option<f32>,
+    /// `aniso`.
+    pub(super) anisotropy: Option<f32>,
+    /// `anisor`, in turns.
+    pub(super) anisotropy_rotation: Option<f32>,
     pub(super) diffuse_map: Option<Map>,
     pub(super) specular_map: Option<Map>,
     pub(super) emission_map: Option<Map>,
     pub(super) dissolve_map: Option<Map>,
     pub(super) roughness_map: Option<Map>,
     pub(super) metallic_map: Option<Map>,
+    pub(super) sheen_map: Option<Map>,
+    pub(super) clearcoat_map: Option<Map>,
+    pub(super) clearcoat_roughness_map: Option<Map>,
     pub(super) normal_map: Option<Map>,
     pub(super) bump_map: Option<Map>,
 }
@@ -48,6 +61,9 @@ impl Mtl {
             &self.dissolve_map,
             &self.roughness_map,
             &self.metallic_map,
+            &self.sheen_map,
+            &self.clearcoat_map,
+            &self.clearcoat_roughness_map,
             &self.normal_map,
             &self.bump_map,
         ];
@@ -59,7 +75,7 @@ impl Mtl {
 const HARMLESS: [&str; 9] = ["ka", "map_ka", "km", "sharpness", "map_aat", "ctm", "acolor", "illum_type", "kt"];
 
 /// Lobes that the scene cannot express; worth a warning only where they are on.
-const LOBES: [&str; 9] = ["ps", "pc", "pcr", "aniso", "anisor", "pe", "tf_thin", "ao", "fresnel"];
+const LOBES: [&str; 4] = ["pe", "tf_thin", "ao", "fresnel"];
 
 /// Parses the text of one MTL file. `file` is its name as the OBJ file gives it: texture names are relative to it.
 pub(super) fn parse(text: &str, file: &str, log: &mut Log) -> Vec<Mtl> {
@@ -105,6 +121,11 @@ impl Parser<'_, '_> {
             "tr" => set(&mut m.transparency, number(operands)),
             "pr" => set(&mut m.roughness, number(operands)),
             "pm" => set(&mut m.metallic, number(operands)),
+            "ps" => set(&mut m.sheen, number(operands)),
+            "pc" => set(&mut m.clearcoat, number(operands)),
+            "pcr" => set(&mut m.clearcoat_roughness, number(operands)),
+            "aniso" => set(&mut m.anisotropy, number(operands)),
+            "anisor" => set(&mut m.anisotropy_rotation, number(operands)),
             "illum" => set(&mut m.illumination, number(operands).map(|x| x as u32)),
             "map_kd" => set(&mut m.diffuse_map, map()),
             "map_ks" => set(&mut m.specular_map, map()),
@@ -112,6 +133,9 @@ impl Parser<'_, '_> {
             "map_d" | "map_opacity" => set(&mut m.dissolve_map, map()),
             "map_pr" => set(&mut m.roughness_map, map()),
             "map_pm" => set(&mut m.metallic_map, map()),
+            "map_ps" => set(&mut m.sheen_map, map()),
+            "map_pc" => set(&mut m.clearcoat_map, map()),
+            "map_pcr" => set(&mut m.clearcoat_roughness_map, map()),
             "norm" | "map_norm" | "map_kn" => set(&mut m.normal_map, map()),
             "bump" | "map_bump" => set(&mut m.bump_map, map()),
             _ => self.other(&word, keyword, operands, &place),

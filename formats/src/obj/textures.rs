@@ -1,8 +1,9 @@
 //! Finds and decodes the images of the materials, each once.
 
+use super::heights;
 use super::log::Log;
 use super::map::Map;
-use crate::scene::{ColorSpace, Image, ImageId, Pixels, Texture, TextureId, TextureRef, Wrap};
+use crate::scene::{Channel, ColorSpace, Image, ImageId, Pixels, Texture, TextureId, TextureRef, Wrap};
 use crate::{Control, ErrorCode, ImportError, Resources, images};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -27,6 +28,8 @@ pub(super) struct Textures {
     /// By library and file name.
     by_name: HashMap<(Arc<str>, String), ImageId>,
     by_use: HashMap<(ImageId, bool, bool), TextureId>,
+    /// Normal maps made of height maps, by image, wrapping and channel.
+    of_heights: HashMap<(ImageId, bool, u8), ImageId>,
 }
 
 impl Textures {
@@ -96,20 +99,44 @@ impl Textures {
 
     /// A map's image as a texture, if it could be loaded.
     pub(super) fn texture(&mut self, map: &Map, color_space: ColorSpace) -> Option<TextureRef> {
-        let image = *self.by_name.get(&(map.place.library.clone(), map.file.clone()))?;
+        Some(self.texture_of(self.image(map)?, map, color_space))
+    }
+
+    /// The normal map of a map whose image holds heights, if it could be loaded.
+    pub(super) fn normals_of_heights(&mut self, map: &Map) -> Option<TextureRef> {
+        let source = self.image(map)?;
+        let channel = map.channel.unwrap_or(Channel::R);
+        let image = match self.of_heights.get(&(source, map.clamp, channel as u8)) {
+            Some(image) => *image,
+            None => {
+                let normals = heights::to_normals(self.images.get(source as usize)?, channel, map.clamp);
+                self.images.push(normals);
+                self.looks.push(Look { has_alpha: false, is_normal_map: true });
+                let id = self.images.len() as ImageId - 1;
+                self.of_heights.insert((source, map.clamp, channel as u8), id);
+                id
+            }
+        };
+        Some(self.texture_of(image, map, ColorSpace::Linear))
+    }
+
+    fn image(&self, map: &Map) -> Option<ImageId> {
+        self.by_name.get(&(map.place.library.clone(), map.file.clone())).copied()
+    }
+
+    fn texture_of(&mut self, image: ImageId, map: &Map, color_space: ColorSpace) -> TextureRef {
         let next = self.textures.len() as TextureId;
         let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
         let id = *self.by_use.entry((image, map.clamp, color_space == ColorSpace::Srgb)).or_insert(next);
         if id == next {
             self.textures.push(Texture { image, wrap_u: wrap, wrap_v: wrap, filter: Default::default(), color_space });
         }
-        Some(TextureRef { transform: map.transform(), ..TextureRef::new(id) })
+        TextureRef { transform: map.transform(), ..TextureRef::new(id) }
     }
 
     /// What a map's image looks like, if it could be loaded.
     pub(super) fn look(&self, map: &Map) -> Option<Look> {
-        let image = self.by_name.get(&(map.place.library.clone(), map.file.clone()))?;
-        self.looks.get(*image as usize).copied()
+        self.looks.get(self.image(map)? as usize).copied()
     }
 }
 

@@ -16,8 +16,8 @@ const STACK_BYTES: usize = 16 << 20;
 /// Why a mesh can have no tangents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoTangents {
-    /// Flat faces have no tangent space.
-    #[error("the mesh has no normals")]
+    /// Not one normal for each position.
+    #[error("the mesh lacks normals")]
     Normals,
     /// The set of texture coordinates is missing.
     #[error("the mesh lacks the texture coordinates")]
@@ -33,16 +33,21 @@ pub enum NoTangents {
 /// Gives a mesh tangents for a set of texture coordinates (0 or 1), which `transform` maps first.
 ///
 /// Vertices at which tangent spaces differ, such as those on mirrored seams, are doubled; vertices that no triangle
-/// names are dropped. Handedness is glTF's: the bitangent `cross(normal, tangent) · w` points against v.
+/// names are dropped. A mesh without normals gets those of its faces. Handedness is glTF's: the bitangent `cross(normal, tangent) · w` points against v.
 ///
 /// # Errors
 /// [`NoTangents`]; the mesh is left as it was.
 pub fn generate(mesh: &mut Mesh, uv_set: usize, transform: &UvTransform) -> Result<(), NoTangents> {
-    if mesh.normals.len() != mesh.positions.len() || mesh.normals.is_empty() {
+    if mesh.uvs.get(uv_set).is_none_or(|uvs| uvs.is_empty() || uvs.len() != mesh.positions.len()) {
+        return Err(NoTangents::TextureCoordinates);
+    }
+    if mesh.normals.is_empty() {
+        flatten(mesh);
+    }
+    if mesh.normals.len() != mesh.positions.len() {
         return Err(NoTangents::Normals);
     }
-    let uvs =
-        mesh.uvs.get(uv_set).filter(|uvs| uvs.len() == mesh.positions.len()).ok_or(NoTangents::TextureCoordinates)?;
+    let uvs = mesh.uvs.get(uv_set).ok_or(NoTangents::TextureCoordinates)?;
     let mut corners = Corners { mesh, uvs, transform, tangents: vec![[0.0; 4]; 3 * mesh.triangles.len()] };
     if has_huge_fan(&corners) {
         return Err(NoTangents::Fan);
@@ -55,6 +60,22 @@ pub fn generate(mesh: &mut Mesh, uv_set: usize, transform: &UvTransform) -> Resu
     let tangents = tangents.ok_or(NoTangents::Generator)?;
     weld(mesh, &tangents);
     Ok(())
+}
+
+/// Gives each triangle vertices of its own, with the normal of its plane.
+fn flatten(mesh: &mut Mesh) {
+    let sources: Vec<u32> = mesh.triangles.as_flattened().to_vec();
+    gather(&mut mesh.positions, &sources);
+    mesh.uvs.iter_mut().for_each(|uvs| gather(uvs, &sources));
+    gather(&mut mesh.colors, &sources);
+    gather(&mut mesh.vertex_materials, &sources);
+    mesh.triangles.iter_mut().enumerate().for_each(|(k, t)| *t = [0, 1, 2].map(|c| (3 * k + c) as u32));
+    let normal = |[a, b, c]: &[[f32; 3]; 3]| {
+        let [a, b, c] = [a, b, c].map(|p| Vec3::from_array(*p).as_dvec3());
+        let normal = (b - a).cross(c - a).try_normalize().map_or(Vec3::Z, |n| n.as_vec3());
+        [normal.to_array(); 3]
+    };
+    mesh.normals = mesh.positions.as_chunks().0.iter().flat_map(normal).collect();
 }
 
 /// The mesh as MikkTSpace sees it: corners of triangles.
