@@ -274,3 +274,44 @@ fn next_to_nothing_renders() {
         }
     }
 }
+
+/// A board of a million squares in sixteen pixels: four samples a pixel see grey, where single texels would be black or
+/// white; so do rays that a mirror turns, and the picture stays sharp where the texture is large.
+#[test]
+fn fine_textures_are_seen_as_their_mean() {
+    let size = 1024u32;
+    let value = |x: u32, y: u32| if (x ^ y) & 1 == 0 { 255 } else { 0 };
+    let pixels = (0..size * size).flat_map(|k| [[value(k % size, k / size); 3].as_slice(), &[255]].concat()).collect();
+    let mut scene = Scene {
+        images: vec![Image { name: String::new(), width: size, height: size, pixels: Pixels::Rgba8(pixels) }],
+        textures: vec![Texture {
+            image: 0,
+            wrap_u: Wrap::Repeat,
+            wrap_v: Wrap::Repeat,
+            filter: Filter::Linear,
+            color_space: ColorSpace::Srgb,
+        }],
+        ..Scene::default()
+    };
+    let mesh = Mesh { uvs: [vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], Vec::new()], ..square() };
+    let mut board = lambert(1.0, 0.0);
+    let Surface::MetalRough(m) = &mut board.surface else { panic!("lambert() is metal-rough") };
+    m.base_color.texture = Some(TextureRef::new(0));
+    add(&mut scene, mesh, board, DAffine3::IDENTITY);
+    let spread = |eye: DVec3, degrees: f64| {
+        let rendered = shot(&scene, &WHITE, &view(eye, DVec3::ZERO, degrees, 4), 4);
+        let grey = rendered.picture.pixels.iter().map(|p| f64::from(p[1]));
+        grey.fold(0.0f64, |most, g| most.max((g - 0.5).abs()))
+    };
+    assert!(spread(DVec3::new(0.1, 0.05, 3.0), 30.0) < 0.01);
+    assert!(spread(DVec3::new(2.0, 0.3, 2.0), 25.0) < 0.01);
+    // Sixteen pixels to a texel: black is black.
+    let near = shot(
+        &scene,
+        &WHITE,
+        &view(DVec3::new(1.5 / 1024.0, 0.5 / 1024.0, 1e-3), DVec3::new(1.5 / 1024.0, 0.5 / 1024.0, 0.0), 40.0, 16),
+        4,
+    );
+    let (dark, bright) = near.picture.pixels.iter().fold((1.0f32, 0.0f32), |(d, b), p| (d.min(p[1]), b.max(p[1])));
+    assert!(dark < 0.05 && bright > 0.95, "from {dark} to {bright}");
+}

@@ -2,10 +2,12 @@
 
 mod coverage;
 pub mod emission;
+mod pyramid;
 pub mod textures;
 mod triangles;
 mod world;
 
 pub use coverage::coverage;
+pub use pyramid::Pyramids;
 pub use triangles::{Attributes, Geometry, Part};
 pub use world::{WorldFrame, world_bounds};

@@ -1,8 +1,11 @@
 //! Texture look-ups: wrap, filter, decode.
 
+use super::Pyramids;
 use glam::{Vec3, Vec4};
 use kiln_formats::Scene;
-use kiln_formats::scene::{Channel, ColorInput, ColorSpace, Filter, Image, Pixels, ScalarInput, TextureRef, Wrap};
+use kiln_formats::scene::{
+    Channel, ColorInput, ColorSpace, Filter, Image, Pixels, ScalarInput, Texture, TextureRef, Wrap,
+};
 use std::sync::LazyLock;
 
 /// The sRGB transfer function of IEC 61966-2-1, from stored [0, 1] to linear.
@@ -10,7 +13,26 @@ pub fn srgb_to_linear(x: f32) -> f32 {
     if x <= 0.04045 { x / 12.92 } else { libm::powf((x + 0.055) / 1.055, 2.4) }
 }
 
-static SRGB_8: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
+/// The inverse of [`srgb_to_linear`] as a byte; what is not in [0, 1] is clamped. Right to the nearest but for a few of the
+/// darkest values.
+pub(super) fn linear_to_srgb_8(x: f32) -> u8 {
+    static CODES: LazyLock<Vec<u8>> = LazyLock::new(|| {
+        let mut code = 0u8;
+        let step = |k: u32| {
+            let x = k as f32 / LAST as f32;
+            while code < 255 && x > 0.5 * (SRGB_8[code as usize] + SRGB_8[code as usize + 1]) {
+                code += 1;
+            }
+            code
+        };
+        (0..=LAST).map(step).collect()
+    });
+    const LAST: u32 = (1 << 14) - 1;
+    CODES[(x * LAST as f32 + 0.5) as usize & LAST as usize]
+}
+
+pub(super) static SRGB_8: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
 
 /// One texel, linear.
 fn texel(image: &Image, space: ColorSpace, x: u32, y: u32) -> Vec4 {
@@ -57,10 +79,14 @@ fn wrap(index: i64, size: u32, mode: Wrap) -> u32 {
     wrapped as u32
 }
 
-/// The linear RGBA value of a texture at texture coordinates (before the reference's transform).
+/// The linear RGBA value of a texture at texture coordinates (before the reference's transform), unfiltered.
 pub fn lookup(scene: &Scene, reference: &TextureRef, uvs: &[[f32; 2]; 2]) -> Vec4 {
     let texture = &scene.textures[reference.texture as usize];
-    let image = &scene.images[texture.image as usize];
+    read(&scene.images[texture.image as usize], texture, reference, uvs)
+}
+
+/// Reads a texture in one of the sizes of its image.
+fn read(image: &Image, texture: &Texture, reference: &TextureRef, uvs: &[[f32; 2]; 2]) -> Vec4 {
     let [u, v] = reference.transform.apply(uvs[reference.uv_set as usize & 1]);
     if !u.is_finite() || !v.is_finite() {
         return Vec4::ZERO;
@@ -83,36 +109,93 @@ pub fn lookup(scene: &Scene, reference: &TextureRef, uvs: &[[f32; 2]; 2]) -> Vec
     }
 }
 
-/// The value of a colour input.
+/// The value of a colour input, unfiltered.
 pub fn color(scene: &Scene, input: &ColorInput, uvs: &[[f32; 2]; 2]) -> Vec3 {
+    color_by(input, |reference| lookup(scene, reference, uvs))
+}
+
+/// The value of a scalar input, unfiltered.
+pub fn scalar(scene: &Scene, input: &ScalarInput, uvs: &[[f32; 2]; 2]) -> f32 {
+    scalar_by(input, |reference| lookup(scene, reference, uvs))
+}
+
+fn color_by(input: &ColorInput, lookup: impl FnOnce(&TextureRef) -> Vec4) -> Vec3 {
     let factor = Vec3::from(input.factor);
     match &input.texture {
-        Some(reference) if !input.is_black() => factor * lookup(scene, reference, uvs).truncate(),
+        Some(reference) if !input.is_black() => factor * lookup(reference).truncate(),
         _ => factor,
     }
 }
 
-/// The value of a scalar input.
-pub fn scalar(scene: &Scene, input: &ScalarInput, uvs: &[[f32; 2]; 2]) -> f32 {
+fn scalar_by(input: &ScalarInput, lookup: impl FnOnce(&TextureRef) -> Vec4) -> f32 {
     match &input.texture {
         Some(reference) if input.factor != 0.0 => {
-            let value = lookup(scene, reference, uvs);
-            input.factor
-                * match input.channel {
-                    Channel::R => value.x,
-                    Channel::G => value.y,
-                    Channel::B => value.z,
-                    Channel::A => value.w,
-                }
+            let value = lookup(reference);
+            let channel = match input.channel {
+                Channel::R => value.x,
+                Channel::G => value.y,
+                Channel::B => value.z,
+                Channel::A => value.w,
+            };
+            input.bias + input.factor * channel
         }
-        _ => input.factor,
+        _ => input.bias + input.factor,
     }
+}
+
+/// Reads textures at a point as a ray of some width sees them.
+#[derive(Clone, Copy, Debug)]
+pub struct Reader<'a> {
+    /// Holds the textures.
+    pub scene: &'a Scene,
+    /// Their smaller versions.
+    pub pyramids: &'a Pyramids,
+    /// Both sets of texture coordinates.
+    pub uv: [[f32; 2]; 2],
+    /// The ray's width squared in units of each set: the area of the texture that it sees, obliqueness left out.
+    pub footprint: [f32; 2],
+}
+
+impl Reader<'_> {
+    /// The linear RGBA value of a texture.
+    #[inline]
+    pub fn lookup(&self, reference: &TextureRef) -> Vec4 {
+        let texture = &self.scene.textures[reference.texture as usize];
+        let image = &self.scene.images[texture.image as usize];
+        let footprint = self.footprint[reference.uv_set as usize & 1];
+        let image = if footprint > 0.0 {
+            let [[a, b], [c, d]] = reference.transform.linear;
+            let texels = footprint * (a * d - b * c).abs() * (image.width as f32 * image.height as f32);
+            self.pyramids.level(self.scene, reference.texture, level(texels))
+        } else {
+            image
+        };
+        read(image, texture, reference, &self.uv)
+    }
+
+    /// The value of a colour input.
+    #[inline]
+    pub fn color(&self, input: &ColorInput) -> Vec3 {
+        color_by(input, |reference| self.lookup(reference))
+    }
+
+    /// The value of a scalar input.
+    #[inline]
+    pub fn scalar(&self, input: &ScalarInput) -> f32 {
+        scalar_by(input, |reference| self.lookup(reference))
+    }
+}
+
+/// ⌊log₂ √texels⌋, at least 0: by how many halvings an area of `texels` (≥ 0, or NaN: none) comes to be from one to four
+/// texels of what is left. The finer of the two levels that a trilinear filter would mix.
+#[inline]
+fn level(texels: f32) -> u32 {
+    if texels >= 1.0 { ((texels.to_bits() >> 23) - 127) / 2 } else { 0 }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kiln_formats::scene::Texture;
 
     fn two_by_two(filter: Filter, wrap: Wrap) -> Scene {
         let pixels = [0, 0, 0, 255, 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 0].to_vec();
@@ -148,5 +231,36 @@ mod tests {
         assert_eq!(srgb_to_linear(1.0), 1.0);
         assert!((srgb_to_linear(0.5) - 0.214_041_1).abs() < 1e-6);
         assert!((srgb_to_linear(0.04) - 0.003_095_975).abs() < 1e-8);
+    }
+
+    #[test]
+    fn bytes_survive_decoding_and_encoding() {
+        for byte in 0..=255u8 {
+            assert_eq!(linear_to_srgb_8(SRGB_8[byte as usize]), byte);
+        }
+        assert_eq!((linear_to_srgb_8(0.0), linear_to_srgb_8(1.0), linear_to_srgb_8(0.214_041_1)), (0, 255, 128));
+    }
+
+    #[test]
+    fn levels_are_halvings() {
+        let texels = [0.0, 0.9, 1.0, 3.9, 4.0, 15.9, 16.0, 1e6, f32::NAN, f32::INFINITY];
+        assert_eq!(texels.map(level), [0, 0, 0, 0, 1, 1, 2, 9, 0, 64]);
+    }
+
+    #[test]
+    fn wide_rays_see_the_mean_and_narrow_ones_the_texels() {
+        let scene = two_by_two(Filter::Linear, Wrap::Repeat);
+        let pyramids = Pyramids::new(&scene);
+        let at = |uv, width: f32| {
+            let reader = Reader { scene: &scene, pyramids: &pyramids, uv: [uv; 2], footprint: [width * width; 2] };
+            reader.lookup(&TextureRef::new(0))
+        };
+        assert_eq!(at([0.75, 0.25], 0.0), Vec4::new(1.0, 0.0, 0.0, 1.0));
+        assert_eq!(at([0.75, 0.25], 0.9), Vec4::new(1.0, 0.0, 0.0, 1.0));
+        let mean = Vec4::new(0.25, 0.25, 0.25, 0.75);
+        for uv in [[0.75, 0.25], [0.1, 0.6]] {
+            // Bytes in between.
+            assert!((at(uv, 1.1) - mean).abs().max_element() < 0.004, "{}", at(uv, 1.1));
+        }
     }
 }

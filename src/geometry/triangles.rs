@@ -161,6 +161,21 @@ impl Geometry {
         uv_at(mesh, v, b)
     }
 
+    /// Area in each set of texture coordinates over area in the rays' frame; 0 where there are no coordinates.
+    pub fn texture_density(&self, scene: &Scene, triangle: u32) -> [f32; 2] {
+        let (mesh, v) = self.source(scene, triangle);
+        let [a, b, c] = self.corners(triangle);
+        let area = (b - a).cross(c - a).length();
+        [0, 1].map(|set| {
+            let uvs = &mesh.uvs[set];
+            if uvs.is_empty() {
+                return 0.0;
+            }
+            let [a, b, c] = v.map(|i| Vec2::from(uvs[i]));
+            (b - a).perp_dot(c - a).abs() / area
+        })
+    }
+
     /// Alpha of the vertex colours, at barycentric weights `b`.
     pub fn vertex_alpha(&self, scene: &Scene, triangle: u32, b: [f32; 3]) -> f32 {
         let (mesh, v) = self.source(scene, triangle);

@@ -1,3 +1,4 @@
+use super::cone::{Cone, SHARPNESS};
 use crate::geometry::WorldFrame;
 use crate::lanes::{Floats, V3};
 use glam::{DVec3, Vec3};
@@ -41,6 +42,18 @@ impl RayCamera {
         let skipped = (-origin.dot(dir) - BEYOND_SCENE).max(0.0);
         ((origin + dir * skipped).as_vec3(), dir.as_vec3())
     }
+
+    /// The cone of a ray that begins at `origin`, in a picture of `height` pixels.
+    pub(super) fn cone(&self, origin: Vec3, height: u32) -> Cone {
+        let pixel = SHARPNESS * (2.0 * self.up.length() / f64::from(height)) as f32;
+        match self.projection {
+            Projection::Perspective => {
+                let before = (origin.as_dvec3() - self.origin).length() as f32;
+                Cone { width: 0.0, spread: pixel }.at(before)
+            }
+            Projection::Orthographic => Cone { width: pixel, spread: 0.0 },
+        }
+    }
 }
 
 /// Within this distance of the origin of the rays' frame, `f32` is fine enough for a camera, too.
@@ -49,7 +62,8 @@ const NEAR: f64 = 4.0;
 /// A perspective camera that is near enough for `f32`: for rays in lanes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NearCamera {
-    origin: Vec3,
+    /// Where all rays begin.
+    pub origin: Vec3,
     forward: Vec3,
     right: Vec3,
     up: Vec3,

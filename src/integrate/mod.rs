@@ -1,8 +1,10 @@
 //! Light transport: from a prepared scene and a view to a film.
 
 mod camera;
+mod cone;
 mod direct;
 mod dropped;
+mod material;
 mod medium;
 mod path;
 mod record;
@@ -18,6 +20,7 @@ use crate::film::{Film, Picture};
 use crate::prepare::PreparedScene;
 use crate::settings::{Integrator, RenderSettings};
 use camera::RayCamera;
+use cone::Cone;
 use cpu_time::ThreadTime;
 pub use dropped::{Dropped, DroppedSample};
 use glam::Vec3;
@@ -155,9 +158,10 @@ pub fn render_pass(
 }
 
 /// Origin and unit direction of the ray through a point within a pixel.
-fn camera_ray(view: &View, camera: &RayCamera, [x, y]: [u32; 2], [dx, dy]: [f32; 2]) -> (Vec3, Vec3) {
+fn camera_ray(view: &View, camera: &RayCamera, [x, y]: [u32; 2], [dx, dy]: [f32; 2]) -> ((Vec3, Vec3), Cone) {
     let across = |at: u32, within: f32, size: u32| (f64::from(at) + f64::from(within)) / f64::from(size);
-    camera.ray(across(x, dx, view.width), across(y, dy, view.height))
+    let ray = camera.ray(across(x, dx, view.width), across(y, dy, view.height));
+    (ray, camera.cone(ray.0, view.height))
 }
 
 fn render_tile(

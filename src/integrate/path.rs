@@ -1,6 +1,7 @@
 //! One camera path after the other (Kajiya 1986): the plain integrator, which the wavefront is compared with.
 
 use super::RayCounts;
+use super::cone::Cone;
 use super::record::{PathEvent, Recorder};
 use super::trace::{Asker, closest};
 use super::walk::{Company, Course, Walk};
@@ -13,12 +14,12 @@ pub(super) struct PathResult {
     pub covered: bool,
 }
 
-/// Follows one path from a camera ray's origin along its unit direction. The radiance is not finite where the path's weight
+/// Follows one path from a camera ray's origin along its unit direction, textures being filtered by its cone. The radiance is not finite where the path's weight
 /// was not.
 pub(super) fn trace_path(
     course: &Course,
     sampler: &mut PathSampler,
-    ray: (Vec3, Vec3),
+    ray: ((Vec3, Vec3), Cone),
     rays: &mut RayCounts,
     recorder: &mut impl Recorder,
 ) -> PathResult {

@@ -1,5 +1,6 @@
 //! One step of a path, whoever follows it.
 
+use super::cone::Cone;
 use super::direct::{direct, emission_weight, environment, reach};
 use super::medium::Inside;
 use super::record::{PathEvent, Recorder};
@@ -59,6 +60,8 @@ pub(super) struct Walk {
     pub throughput: Vec3,
     /// The (η_i/η_t)² of refraction in the throughput, which comes back on leaving a body.
     pub eta_scale: f32,
+    /// How wide the path is.
+    pub cone: Cone,
     pub inside: Inside,
     pub sent: Sent,
     /// The triangle that the ray leaves.
@@ -67,9 +70,9 @@ pub(super) struct Walk {
 
 impl Walk {
     /// Begins at the camera.
-    pub fn new((origin, dir): (Vec3, Vec3)) -> Self {
+    pub fn new(((origin, dir), cone): ((Vec3, Vec3), Cone)) -> Self {
         let (inside, sent) = (Inside::default(), Sent { smooth: None });
-        Self { origin, dir, throughput: Vec3::ONE, eta_scale: 1.0, inside, sent, leaves: None }
+        Self { origin, dir, throughput: Vec3::ONE, eta_scale: 1.0, cone, inside, sent, leaves: None }
     }
 }
 
@@ -100,6 +103,7 @@ impl<'a> Course<'a> {
             return false;
         };
         with.recorder.note(|| hit_event(prepared, &hit, &place));
+        walk.cone = walk.cone.at(hit.t);
         walk.inside = walk.inside.met(prepared, &place);
         let transmittance = walk.inside.transmittance(prepared, hit.t);
         walk.throughput *= transmittance;
@@ -119,7 +123,7 @@ impl<'a> Course<'a> {
             return false;
         }
         let index_around = walk.inside.index_around(prepared, &place);
-        let vertex = Vertex::new(prepared, &hit, place, walk.dir, index_around);
+        let vertex = Vertex::new(prepared, &hit, place, walk.dir, index_around, walk.cone.width);
         with.recorder
             .note(|| PathEvent::Surface { shading_normal: vertex.shading_normal(), lobes: vertex.bsdf.describe() });
         if vertex.bsdf.is_black() {
@@ -166,6 +170,7 @@ impl<'a> Course<'a> {
             walk.throughput /= survival;
             with.recorder.note(|| PathEvent::Roulette { survival, throughput: walk.throughput });
         }
+        walk.cone = walk.cone.scattered((!sample.delta).then_some(sample.pdf));
         walk.sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), sample.pdf)) };
         walk.origin = outgoing.origin;
         walk.dir = wi;

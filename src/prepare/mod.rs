@@ -4,7 +4,7 @@ pub mod kdtree;
 mod parts;
 mod physical;
 
-use crate::geometry::{Geometry, WorldFrame, world_bounds};
+use crate::geometry::{Geometry, Pyramids, WorldFrame, world_bounds};
 use crate::lanes::AnyLanes;
 pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
@@ -56,6 +56,8 @@ pub struct PreparedScene {
     pub(crate) scene: Scene,
     pub(crate) frame: WorldFrame,
     pub(crate) geometry: Geometry,
+    /// Smaller versions of the textures.
+    pub(crate) pyramids: Pyramids,
     pub(crate) lights: Lights,
     pub(crate) tree: KdTree,
     pub(crate) filters: Vec<Filters>,
@@ -149,6 +151,8 @@ pub fn prepare(
     let environment = Environment::new(environment, scene.up);
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
     control.check()?;
+    let pyramids = Pyramids::new(&scene);
+    control.check()?;
     let (start, clock) = (Instant::now(), ThreadTime::now());
     let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: tier(settings.simd) };
     let tree = KdTree::build(&geometry, &options, control)?;
@@ -173,6 +177,7 @@ pub fn prepare(
         scene,
         frame,
         geometry,
+        pyramids,
         lights,
         tree,
         filters,

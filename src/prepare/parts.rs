@@ -3,7 +3,7 @@
 use crate::geometry::Geometry;
 use glam::Vec3;
 use kiln_formats::Scene;
-use kiln_formats::scene::{Material, Mesh, MetalRough, Surface};
+use kiln_formats::scene::{Material, Mesh, MetalRough, ScalarInput, Surface};
 
 /// Which way of shading a part's triangles can take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +40,7 @@ pub(crate) fn ways(scene: &Scene, geometry: &Geometry) -> Vec<PartWay> {
 
 fn way(mesh: &Mesh, material: &Material) -> Way {
     let Surface::MetalRough(m) = &material.surface else { return Way::Any };
-    if m.transmission.factor != 0.0 || m.volume.is_some() {
+    if m.transmission.factor != 0.0 || m.transmission.bias != 0.0 || m.volume.is_some() || m.layers.is_some() {
         return Way::Any;
     }
     match diffuse(m) {
@@ -53,6 +53,7 @@ fn way(mesh: &Mesh, material: &Material) -> Way {
 
 /// The albedo of a material that is Lambert's and the same everywhere.
 fn diffuse(m: &MetalRough) -> Option<Vec3> {
-    let flat = m.base_color.texture.is_none() && m.metallic.factor == 0.0 && m.specular.factor == 0.0;
+    let zero = |s: &ScalarInput| s.factor == 0.0 && s.bias == 0.0;
+    let flat = m.base_color.texture.is_none() && zero(&m.metallic) && zero(&m.specular);
     flat.then(|| Vec3::from(m.base_color.factor).min(Vec3::ONE))
 }

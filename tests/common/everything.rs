@@ -64,7 +64,7 @@ pub fn everything() -> Scene {
     let textured = |mode, filter| Material {
         alpha: Alpha {
             mode,
-            value: ScalarInput { factor: 0.9, texture: Some(TextureRef::new(filter)), channel: Channel::A },
+            value: ScalarInput { factor: 0.9, texture: Some(TextureRef::new(filter)), channel: Channel::A, bias: 0.0 },
         },
         ..lambert(0.7, 0.0)
     };

@@ -17,6 +17,8 @@ pub(super) struct Begin<'a> {
     pub settings: &'a RenderSettings,
     pub view: &'a View,
     pub camera: NearCamera,
+    /// Of the rays' cones.
+    pub spread: f32,
     /// The tile's left upper pixel.
     pub corner: [u32; 2],
     /// Pixels within the tile.
@@ -29,7 +31,7 @@ impl Work for Begin<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { memory, settings, view, camera, corner, pixels, samples } = self;
+        let Self { memory, settings, view, camera, spread, corner, pixels, samples } = self;
         for sample in samples {
             for pixels in pixels.chunks(LANES) {
                 let at = memory.slots.len();
@@ -49,6 +51,7 @@ impl Work for Begin<'_> {
                     floats[path::THROUGHPUT + k] = one;
                 }
                 floats[path::ETA_SCALE] = one;
+                floats[path::SPREAD] = l.splat(spread);
                 let [key, index] = samplers.words();
                 let mut words = [l.word(0); path::WORDS];
                 words[path::SLOT] = l.lane_numbers() + at as u32;

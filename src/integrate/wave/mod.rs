@@ -15,6 +15,7 @@ mod surface;
 mod trace;
 
 use super::camera::RayCamera;
+use super::cone::Cone;
 use super::medium::Inside;
 use super::tile::{SIDE, Tile};
 use super::walk::{Course, Sent, Walk};
@@ -45,7 +46,10 @@ mod path {
     /// The last vertex as a receiver of light.
     pub const POINT: usize = 11;
     pub const NORMAL: usize = 14;
-    pub const FLOATS: usize = 17;
+    /// Of the path's cone.
+    pub const WIDTH: usize = 17;
+    pub const SPREAD: usize = 18;
+    pub const FLOATS: usize = 19;
 
     pub const SLOT: usize = 0;
     pub const LEAVES: usize = 1;
@@ -201,9 +205,20 @@ impl Wave<'_> {
         memory.slots.clear();
         memory.shadows.len = 0;
         let addressed = matches!(settings.sampler, SamplerKind::Sobol | SamplerKind::Pcg);
-        if let Some(camera) = camera.near().filter(|_| addressed) {
+        if let Some(near) = camera.near().filter(|_| addressed) {
             let corner = [self.tile.x, self.tile.y];
-            self.course.prepared.lanes.run(begin::Begin { memory, settings, view, camera, corner, pixels, samples });
+            let spread = camera.cone(near.origin, view.height).spread;
+            let camera = near;
+            self.course.prepared.lanes.run(begin::Begin {
+                memory,
+                settings,
+                view,
+                camera,
+                spread,
+                corner,
+                pixels,
+                samples,
+            });
         } else {
             self.begin_one_by_one(view, camera, pixels, samples);
         }
@@ -247,10 +262,22 @@ impl Memory {
             dir: rows.vector(path::DIR, at),
             throughput: rows.vector(path::THROUGHPUT, at),
             eta_scale: rows.float(path::ETA_SCALE, at),
+            cone: self.walk_cone(at),
             inside: self.slots[rows.word(path::SLOT, at) as usize].inside,
             sent: Sent { smooth: (pdf > 0.0).then_some((receiver, pdf)) },
             leaves: (leaves != NO_TRIANGLE).then_some(leaves),
         }
+    }
+
+    /// Lets the cone of a path go along with its ray to where it has hit, and gives its width there.
+    fn widen(&mut self, at: usize) -> f32 {
+        let Cone { width, .. } = self.walk_cone(at).at(self.hits.float(hit::T, at));
+        self.paths.set_float(path::WIDTH, at, width);
+        width
+    }
+
+    fn walk_cone(&self, at: usize) -> Cone {
+        Cone { width: self.paths.float(path::WIDTH, at), spread: self.paths.float(path::SPREAD, at) }
     }
 
     /// Puts a path at a place in the rows, where its slot and its sampler's words are already.
@@ -268,6 +295,8 @@ impl Memory {
         rows.set_vector(path::DIR, at, walk.dir);
         rows.set_vector(path::THROUGHPUT, at, walk.throughput);
         rows.set_float(path::ETA_SCALE, at, walk.eta_scale);
+        rows.set_float(path::WIDTH, at, walk.cone.width);
+        rows.set_float(path::SPREAD, at, walk.cone.spread);
         rows.set_word(path::LEAVES, at, walk.leaves.unwrap_or(NO_TRIANGLE));
         if walk.inside != Inside::default() {
             flags |= path::INSIDE;

@@ -4,6 +4,7 @@ use super::lights::Carried;
 use super::surface::{Fetch, Surface};
 use super::{Wave, hit, path};
 use crate::geometry::emission;
+use crate::integrate::cone::OPENING;
 use crate::integrate::direct::{emission_weight, environment};
 use crate::integrate::vertex::{Place, Vertex};
 use crate::integrate::walk::{Company, MOST_SURVIVAL, ROULETTE_AFTER};
@@ -70,6 +71,7 @@ impl Wave<'_> {
                 sorted.visited |= u32::from(self.visit(depth, i)) << lane;
                 continue;
             }
+            let width = self.memory.widen(i);
             if part.emits {
                 self.add_emission(i);
             }
@@ -85,7 +87,7 @@ impl Wave<'_> {
                 _ => {
                     let (hit, dir) = (self.hit(i), self.memory.paths.vector(path::DIR, i));
                     let Some(place) = Place::new(prepared, &hit, dir) else { continue };
-                    let vertex = Vertex::new(prepared, &hit, place, dir, 1.0);
+                    let vertex = Vertex::new(prepared, &hit, place, dir, 1.0, width);
                     if vertex.bsdf.is_black() {
                         continue;
                     }
@@ -233,6 +235,8 @@ impl Wave<'_> {
                 }
             }
             floats[path::PDF] = L::F::select(active, pdf, floats[path::PDF]);
+            let spread = floats[path::SPREAD];
+            floats[path::SPREAD] = L::F::select(active, spread + l.splat(OPENING) / pdf.sqrt(), spread);
             let leaves = L::U::select(out.above, triangle, l.word(NO_TRIANGLE));
             words[path::LEAVES] = L::U::select(active, leaves, words[path::LEAVES]);
             words[path::FLAGS] = L::U::select(active, l.word(0), words[path::FLAGS]);
