@@ -2,7 +2,7 @@
 """Writes scenes/checks: `python3 scripts/make_checks.py`. The same files whenever it runs."""
 from pathlib import Path
 
-from checks import geometry, light, surfaces, writers
+from checks import extremes, geometry, light, surfaces, writers
 
 FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "checks"
 
@@ -50,4 +50,5 @@ if __name__ == "__main__":
     surfaces.write(checks)
     light.write(checks)
     geometry.write(checks)
+    extremes.write(checks)
     print(f"{len(checks.names)} checks")
