@@ -76,7 +76,7 @@ def layers_of_gltf(c):
          dict(metallic=1, roughness=0.5, clearcoat={"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.5})),
         ("sheen", "white cloth with white sheen", 0.98, 1.01, "; the table of sheen is right to 0.01.",
          dict(sheen={"sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": 0.5})),
-        ("iridescence", "white plastic with a thin film", 0.9, 1.02,
+        ("iridescence", "white plastic with a thin film", 0.85, 1.02,
          "; a film takes the most that any channel reflects from all.",
          dict(roughness=0.4, iridescence={"iridescenceFactor": 1, "iridescenceThicknessMaximum": 380})),
         ("diffuse-transmission", "a white leaf", 0.99, 1.005, " and hardly anything lost, on whichever side.",
@@ -95,7 +95,8 @@ def layers_of_gltf(c):
                     diffuse_transmission={"diffuseTransmissionFactor": 0.5, "diffuseTransmissionColorFactor": green})
     c.add("diffuse-transmission-colour", "A black leaf lets half of what comes from behind through, green",
           c.gltf("leaf", {"triangles": FLAT, "material": leaf}),
-          "The environment is white at z < 0, black at z > 0: half of 1, times the colour.", [0.5 * x for x in green],
+          "The environment is white at z < 0, black at z > 0: half of 1, times the colour; the border between is soft, which "
+          "takes a little over 1 %.", {"value": [0.5 * x for x in green], "relative": 0.02},
           at_angle(30), {"rows": [[[1, 1, 1]] * 4 + [[0, 0, 0]] * 4] * 4}, strategies=["bsdf", "mis"], spp=512)
 
 
