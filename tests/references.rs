@@ -218,9 +218,11 @@ fn many_lights() {
     check("many_lights", &["many_lights.ref.exr"], 64, 0.005, true, 0.0);
 }
 
+/// The peers' copper (α 0.16) loses the light that bounces among its microfacets more than once, 2 to 3 % of what it reflects; ours does
+/// not, so that blocks that it fills differ by more than noise. The mean is 0.4 % higher for it.
 #[test]
 fn cornell_glossy() {
-    check("cornell_glossy", &["cornell_glossy.ref.exr"], 128, 0.005, true, 0.001);
+    check("cornell_glossy", &["cornell_glossy.ref.exr"], 128, 0.005, false, 0.001);
 }
 
 /// The mesh is too large to be stored: `KILN_LARGE_MESH` names what `scenes/bench/gen_large.py terrain1m` wrote.
