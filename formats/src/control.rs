@@ -86,3 +86,24 @@ impl Control {
         (self.shared.done.load(Ordering::Relaxed), self.shared.total.load(Ordering::Relaxed))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn a_deadline_stops_by_itself_and_is_inherited() {
+        let control = Control::default();
+        let now = Instant::now();
+        let late = control.until(now);
+        assert!(late.is_stopped() && !late.was_asked_to_stop() && !control.is_stopped());
+        let later = now + Duration::from_secs(3600);
+        assert_eq!(late.until(later).deadline(), Some(now), "the earlier one counts");
+        assert!(late.child().is_stopped() && !control.until(later).is_stopped());
+        late.begin_at(3, 7);
+        assert_eq!(control.progress(), (3, 7), "one progress");
+        control.stop();
+        assert!(late.was_asked_to_stop() && control.child().is_stopped());
+    }
+}

@@ -4,7 +4,7 @@ use crate::settings::Goal;
 ///
 /// Where nothing is to be decided on the way, all samples are one pass. With a deadline the first pass is one sample; with an
 /// error asked for, the first is [`FIRST_LOOK`], since fewer samples say little about what they have not seen. Then passes
-/// double up to 16 samples, and from there on divide each octave in four.
+/// double up to 4 samples, take 4 more up to 16, and from there on divide each octave in four.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Schedule {
     most: u32,
@@ -30,7 +30,8 @@ impl Schedule {
         let next = match spp {
             _ if self.whole => self.most,
             0 => self.first,
-            1..FIRST_LOOK => spp.saturating_mul(2),
+            1..4 => spp.saturating_mul(2),
+            4..FIRST_LOOK => spp + 4,
             // The largest power of two that is not above it, over four: 16 → 4, 20 → 4, 32 → 8.
             _ => spp.saturating_add((1 << spp.ilog2()) / 4),
         };
@@ -52,7 +53,7 @@ mod tests {
     fn passes_grow_by_quarters_of_an_octave_in_whole_replicates() {
         assert_eq!(ends(Goal::default(), 100), [100]);
         let timed = Goal { time: Some(1.0), error: None };
-        assert_eq!(ends(timed, 50), [1, 2, 4, 8, 16, 20, 24, 28, 32, 40, 48, 50]);
+        assert_eq!(ends(timed, 50), [1, 2, 4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 50]);
         let accurate = Goal { error: Some(2.0), time: None };
         assert_eq!(ends(accurate, 28), [16, 20, 24, 28]);
         assert_eq!(ends(accurate, 5), [5]);

@@ -6,13 +6,17 @@ use std::time::{Duration, Instant};
 /// What writing a picture is taken to cost before one has been encoded: seconds per pixel and at all.
 const WRITE_GUESS: (f64, f64) = (4e-7, 0.01);
 /// How much longer than the trial the real encoding may take, and what the file system may take beside it.
-const WRITE_MARGIN: (f64, f64) = (1.5, 0.01);
+const WRITE_MARGIN: (f64, f64) = (2.0, 0.01);
+/// The share of the time that is kept for what nobody can foretell: a busy machine takes the processor away.
+const RESERVE: f64 = 0.03;
 
 /// The wall time that an asset may take, reading and writing included.
 pub(super) struct Budget {
     end: Option<Instant>,
     /// Seconds that writing one view takes.
     write: f64,
+    /// Seconds kept for surprises.
+    reserve: f64,
 }
 
 impl Budget {
@@ -22,7 +26,8 @@ impl Budget {
         let time = goal.time.and_then(|t| Duration::try_from_secs_f64(t).ok());
         let own = time.and_then(|t| Instant::now().checked_add(t));
         let end = own.into_iter().chain(control.deadline()).min();
-        Self { end, write: WRITE_GUESS.0 * pixels as f64 + WRITE_GUESS.1 }
+        let all = end.map_or(0.0, |end| end.saturating_duration_since(Instant::now()).as_secs_f64());
+        Self { end, write: WRITE_GUESS.0 * pixels as f64 + WRITE_GUESS.1, reserve: RESERVE * all }
     }
 
     /// For the first of `parts` parts of the work that are left, which takes care of its own writing.
@@ -34,7 +39,7 @@ impl Budget {
 
     /// For everything that must be done before the first picture can be written.
     pub fn before_the_first_pass(&self, control: &Control) -> Control {
-        self.less(control, self.write)
+        self.less(control, self.write + self.reserve)
     }
 
     /// For the remaining passes of the first of `views` views that are left: an equal share of the time, less what
@@ -42,7 +47,7 @@ impl Budget {
     pub fn of_view(&self, control: &Control, views: usize) -> Control {
         let Some(end) = self.end else { return control.clone() };
         let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
-        let share = (left / views.max(1) as f64 - self.write).max(0.0);
+        let share = (left / views.max(1) as f64 - self.write - self.reserve).max(0.0);
         control.until(Instant::now() + Duration::from_secs_f64(share))
     }
 

@@ -45,7 +45,7 @@ pub fn line(console: &Console, outcome: &Outcome) -> String {
         Status::Failed => Color::Red,
     };
     let word = console.paint(&format!("{:7}", outcome.status.word()), color);
-    let mut line = format!("{word} {:8.2} s  {}", outcome.seconds.total, outcome.input);
+    let mut line = format!("{word} {:8.2} s  {}{}", outcome.seconds.total, outcome.input, accuracy(outcome));
     if let Some(message) = &outcome.error_message {
         line += &format!(": {message}");
     } else if let Some(first) = outcome.warnings.first().filter(|_| !console.verbose) {
@@ -58,6 +58,16 @@ pub fn line(console: &Console, outcome: &Outcome) -> String {
         outcome.warnings.iter().for_each(|w| line += &format!("\n    warning: {}", warning(w)));
     }
     line
+}
+
+/// The error of the worst picture.
+fn accuracy(outcome: &Outcome) -> String {
+    let stated = outcome.outputs.iter().filter_map(|o| Some((o.error?, o.error_bound?, o.target_met)));
+    let worst = stated.max_by(|a, b| a.1.total_cmp(&b.1));
+    worst.map_or_else(String::new, |(error, bound, met)| {
+        let missed = if met == Some(false) { ": not what was asked for" } else { "" };
+        format!("  error {error:.2} (at most {bound:.2}{missed})")
+    })
 }
 
 /// Where the pictures are, on a line of its own.
