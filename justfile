@@ -26,3 +26,8 @@ ci:
 seed-claims:
     cargo build --release --bin kiln --example seed_claims
     scripts/seed_claims.py
+
+# Rays a second against Embree's on meshes of our own, by turns in one run (Debian: apt-get install libembree-dev): `just bench rays`.
+bench what="rays" *options:
+    c++ -O3 -march=native scripts/bench/embree_{{what}}.cpp -o target/embree_{{what}} -lembree3
+    cargo run --release --example bench_{{what}} -- --embree target/embree_{{what}} {{options}}

@@ -143,7 +143,7 @@ fn main() {
     for name in &asked.meshes {
         let mesh = meshes::make(name);
         let build = |simd| {
-            let options = BuildOptions { builder: asked.builder, seed: 1, simd };
+            let options = BuildOptions { builder: asked.builder, seed: 1, simd, ..BuildOptions::default() };
             KdTree::build(&mesh, &options, &Control::default()).expect("not stopped")
         };
         let trees: Vec<(String, KdTree)> = asked

@@ -67,12 +67,14 @@ pub enum Integrator {
 #[serde(rename_all = "lowercase")]
 #[value(rename_all = "lowercase")]
 pub enum KdTreeBuilder {
+    /// The surface area heuristic, or random samples where so few rays are planned that a better tree does not pay.
+    #[default]
+    Auto,
     /// Splits at the spatial or object median of the longest axis.
     Median,
     /// Split planes from random samples of the primitives: the 2018 semi-randomised tree, reproducible.
     Sampled,
     /// The surface area heuristic.
-    #[default]
     Sah,
 }
 
@@ -103,6 +105,10 @@ pub struct PrepareSettings {
     pub physical_lights: bool,
     /// The instruction set that traversal may use. Does not change pixels.
     pub simd: SimdTier,
+    /// How many rays are to be traced, about, if that is known. Does not change pixels, and is no setting that anybody chooses:
+    /// whoever plans the pictures fills it in.
+    #[serde(skip)]
+    pub planned_rays: Option<u64>,
 }
 
 /// What a picture is rendered with. Pixels depend on the scene, the view and this alone, and on the [`Goal`] in how many

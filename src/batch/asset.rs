@@ -10,10 +10,13 @@ use super::{Job, Outcome, SceneFacts, Stage, Status, digest, exposure, looks};
 use crate::accuracy::{Display, Ended, Finished, Progressive};
 use crate::integrate::{PassTally, View};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
-use crate::settings::{EnvironmentSettings, Exposure, PictureFormat};
+use crate::settings::{EnvironmentSettings, Exposure, PictureFormat, PrepareSettings};
 use kiln_formats::{Control, ErrorCode, Format, Scene, Warning};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+
+/// Rays that a path takes, about: what is planned for does not have to be exact.
+const RAYS_PER_PATH: u64 = 6;
 
 /// What surrounds a job.
 pub struct Desk<'a> {
@@ -135,7 +138,7 @@ impl Work<'_> {
     pub fn make_ready(&mut self) -> Result<(PreparedScene, Vec<View>, f64), Failure> {
         self.control.check()?;
         let (scene, environment, views) = self.import()?;
-        let mut prepared = self.prepare(scene, environment)?;
+        let mut prepared = self.prepare(scene, environment, &views)?;
         if prepared.triangles == 0 {
             let message =
                 format!("nothing to draw: none of its {} triangles has an area", prepared.degenerate_triangles);
@@ -188,10 +191,17 @@ impl Work<'_> {
         Ok((scene, environment, views?))
     }
 
-    fn prepare(&mut self, scene: Scene, environment: EnvironmentSource) -> Result<PreparedScene, Failure> {
+    fn prepare(
+        &mut self,
+        scene: Scene,
+        environment: EnvironmentSource,
+        views: &[View],
+    ) -> Result<PreparedScene, Failure> {
         self.begin(Stage::Prepare);
         let clock = StageClock::begin();
-        let settings = self.job.settings.prepare;
+        let pixels: u64 = views.iter().map(|view| u64::from(view.width) * u64::from(view.height)).sum();
+        let planned = pixels.saturating_mul(u64::from(self.job.settings.render.spp) * RAYS_PER_PATH);
+        let settings = PrepareSettings { planned_rays: Some(planned), ..self.job.settings.prepare };
         let work = move |control: &Control| guarded(|| prepare(scene, &environment, &settings, control));
         let (prepared, cpu) = by_deadline(self.control, work)?;
         let prepared = prepared??;

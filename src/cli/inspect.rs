@@ -119,7 +119,7 @@ fn builder(builder: KdTreeBuilder) -> &'static str {
     match builder {
         KdTreeBuilder::Median => "median",
         KdTreeBuilder::Sampled => "sampled",
-        KdTreeBuilder::Sah => "SAH",
+        KdTreeBuilder::Auto | KdTreeBuilder::Sah => "SAH",
     }
 }
 

@@ -165,6 +165,7 @@ impl SettingOptions {
                 point_lights: self.point_lights,
                 physical_lights: self.physical_lights,
                 simd: self.simd,
+                ..PrepareSettings::default()
             },
             render: RenderSettings {
                 spp,

@@ -154,7 +154,12 @@ pub fn prepare(
     let pyramids = Pyramids::new(&scene);
     control.check()?;
     let (start, clock) = (Instant::now(), ThreadTime::now());
-    let options = BuildOptions { builder: settings.kdtree, seed: 0, simd: tier(settings.simd) };
+    let options = BuildOptions {
+        builder: settings.kdtree,
+        seed: 0,
+        simd: tier(settings.simd),
+        planned_rays: settings.planned_rays,
+    };
     let tree = KdTree::build(&geometry, &options, control)?;
     let times = PrepareTimes {
         kdtree: start.elapsed().as_secs_f64(),

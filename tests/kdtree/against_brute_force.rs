@@ -91,10 +91,10 @@ fn rays(soup: &Soup, count: usize, seed: u64) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
-fn check(name: &str, soup: &Soup, ray_count: usize) {
+pub fn check(name: &str, soup: &Soup, ray_count: usize) {
     for builder in BUILDERS {
         for simd in SimdTier::ALL.into_iter().filter(|&tier| tier <= SimdTier::detect()) {
-            let options = BuildOptions { builder, seed: 5, simd };
+            let options = BuildOptions { builder, seed: 5, simd, ..BuildOptions::default() };
             let tree = KdTree::build(soup, &options, &Control::default()).unwrap();
             let name = format!("{name}, {builder:?}, {simd}");
             tree.validate(soup).unwrap_or_else(|e| panic!("{name}: {e}"));

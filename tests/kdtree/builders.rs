@@ -37,6 +37,20 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
 }
 
 #[test]
+fn a_tree_for_few_rays_is_not_made_for_many() {
+    let soup = meshes::random_soup(20_000, 0.02, 12);
+    let tree = |builder, planned_rays| {
+        let options = BuildOptions { builder, planned_rays, ..BuildOptions::default() };
+        KdTree::build(&soup, &options, &Control::default()).unwrap()
+    };
+    let (sah, sampled) = (tree(KdTreeBuilder::Sah, None), tree(KdTreeBuilder::Sampled, None));
+    assert!(tree(KdTreeBuilder::Auto, None).same_as(&sah));
+    assert!(tree(KdTreeBuilder::Auto, Some(1_000_000)).same_as(&sah));
+    assert!(tree(KdTreeBuilder::Auto, Some(4096)).same_as(&sampled));
+    assert!(tree(KdTreeBuilder::Sah, Some(4096)).same_as(&sah), "what is chosen is built");
+}
+
+#[test]
 fn the_heuristic_beats_chance_and_chance_beats_halving() {
     let soup = meshes::torus(400, 100).soup(1.0, glam::Vec3::ZERO);
     let [median, sampled, sah] = BUILDERS.map(|b| build(&soup, b, 1).statistics().sah_cost);

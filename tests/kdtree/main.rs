@@ -4,5 +4,6 @@
 mod against_brute_force;
 mod batches;
 mod builders;
+mod hostile;
 mod leaks;
 mod meshes;

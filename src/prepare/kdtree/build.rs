@@ -132,7 +132,7 @@ impl<T: Triangles> Context<'_, T> {
         match self.options.builder {
             KdTreeBuilder::Median => median::choose(refs, cell),
             KdTreeBuilder::Sampled => sampled::choose(refs, cell, self.options.seed),
-            KdTreeBuilder::Sah => sah_simd::choose(refs, cell, self.options.simd),
+            KdTreeBuilder::Auto | KdTreeBuilder::Sah => sah_simd::choose(refs, cell, self.options.simd),
         }
     }
 

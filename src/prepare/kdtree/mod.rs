@@ -58,6 +58,24 @@ pub struct BuildOptions {
     pub seed: u64,
     /// The instructions that traversal may use; lowered to what the machine has.
     pub simd: SimdTier,
+    /// How many rays will be traced, about, if that is known: what [`KdTreeBuilder::Auto`] goes by.
+    pub planned_rays: Option<u64>,
+}
+
+/// A tree by the surface area heuristic takes up to 0.3 µs a triangle more than one by samples and saves some 0.03 µs a ray at
+/// best in scenes of triangles of like size, more in others: with fewer rays a triangle it is not worth its time.
+const RAYS_FOR_A_BETTER_TREE: u64 = 4;
+
+impl BuildOptions {
+    /// The builder to be used: a question of numbers of triangles and rays, never of a clock.
+    fn builder_for(&self, triangles: usize) -> KdTreeBuilder {
+        let few = |rays: u64| rays / RAYS_FOR_A_BETTER_TREE < triangles as u64;
+        match self.builder {
+            KdTreeBuilder::Auto if self.planned_rays.is_some_and(few) => KdTreeBuilder::Sampled,
+            KdTreeBuilder::Auto => KdTreeBuilder::Sah,
+            chosen => chosen,
+        }
+    }
 }
 
 /// What a tree is like.
@@ -104,6 +122,7 @@ impl KdTree {
     pub fn build(triangles: &impl Triangles, options: &BuildOptions, control: &Control) -> Result<Self, Stopped> {
         let begin = Instant::now();
         let cpu = CpuMeter::default();
+        let options = &BuildOptions { builder: options.builder_for(triangles.len()), ..*options };
         let built = build::build(triangles, options, control, &cpu)?;
         control.check()?;
         let contents = leaves::Contents::new(&built, triangles, &cpu);
