@@ -89,8 +89,8 @@ def random_numbers(bench, numbers):
         rows.append([name, f"{nanoseconds:.2f} ns", f"{100 * spent / (rest + spent):.1f} %", measured])
     return f"""## Random numbers
 
-In 2018 replacing the system's generator by xorshift32 was said to take a large part of the time away. A number of each
-generator, drawn one by one as a path draws them; the share of a render of `soft_shadows.ray` that this would be, with
+The tracer of 2018 drew its numbers from an xorshift32 of its own instead of the system's generator. What a number of each
+generator takes, drawn one by one as a path draws them; the share of a render of `soft_shadows.ray` that this would be, with about
 {drawn:.0f} numbers a path; and the render itself with that generator ({spp} samples per pixel, 128 × 128):
 
 {table(["generator", "CPU time a number", "share of the render", "render: CPU seconds, error"], rows)}
@@ -130,8 +130,8 @@ error against 256 samples (levels as displayed) and its CPU seconds.
 ![Sixteen pictures: more samples downwards, more light samples to the right](seed-claims/matrix.png)
 
 {table(head, rows)}
-For the same time it is better to take more samples per pixel than more light samples: those smooth the first shadow only,
-while a sample also smooths edges, reflections and light that bounced.
+At the same time more samples per pixel do as well as more light samples where there are few of both, and better from there on:
+light samples smooth the shadows only, a sample also smooths edges, reflections and light that bounced.
 """
 
 
@@ -197,7 +197,8 @@ seconds should shrink by as many. The wall seconds tell little here, since the m
 {table(["threads", "CPU", "wall"], rows)}
 Static scheduling (each thread as many neighbouring rows) against dynamic (each thread takes the next rows when it is
 done, as OpenMP did in 2018 and Kiln does with tiles): the CPU time of {32} bands of rows was measured, and the share of the
-threads' time that is used follows from it.
+threads' time that is used follows from it. (With 16 threads two bands each are too few for any schedule; Kiln's tiles are
+smaller.)
 
 {table(["asset", "threads", "static", "dynamic"], plans)}
 """
