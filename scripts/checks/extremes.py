@@ -173,6 +173,26 @@ def maps(c):
                   pencil((0.1 + 3 * x * cos(radians(2)), 0.2, 3 * sin(radians(2))), (0.1, 0.2, 0)), WHITE, strategies=["bsdf", "mis"], spp=64)
 
 
+def stretched_normals(c):
+    """A smooth sphere under a transform that flattens it: normals go by the inverse transpose."""
+    sphere = icosphere(2)
+    squeeze = (1.0, 2.0, 0.25)
+    weights = (0.5, 0.3, 0.2)
+    face = max(sphere, key=lambda t: min(p[2] + 0.5 * p[0] for p in t))
+    point = tuple(sum(w * p[k] for w, p in zip(weights, face)) for k in range(3))
+    normal = tuple(x / s for x, s in zip(point, squeeze))
+    normal = tuple(x / sum(y * y for y in normal) ** 0.5 for x in normal)
+    at = tuple(x * s for x, s in zip(point, squeeze))
+    to_light = (0.6, 0.0, 0.8)
+    matrix = [[squeeze[r] if r == k else 0 for k in range(4)] if r < 3 else [0, 0, 0, 1] for r in range(4)]
+    scene = c.gltf("squeezed", {"triangles": sphere, "normals": sphere, "material": lambert(0.5), "matrix": matrix},
+                   lights=[({"type": "directional", "intensity": 2.0}, facing(to_light))])
+    c.add("normals-squeezed", "Smooth normals under a transform that is not uniform", scene,
+          "ρ/π · E · cos with the normal by the inverse transpose of the transform.",
+          {"value": 0.5 / pi * 2 * sum(a * b for a, b in zip(normal, to_light)), "relative": 1e-4, "each_pixel": True},
+          pencil([a + 3 * n for a, n in zip(at, normal)], at), spp=4)
+
+
 def sums(c):
     nothing = "speck.obj"
     c.add("film-sum", "65536 samples of a tenth", f"{nothing}", "The mean of equal numbers is that number: sums in f32 would drift by 1e-4.",
@@ -189,4 +209,5 @@ def write(c):
     thin(c)
     touching(c)
     maps(c)
+    stretched_normals(c)
     sums(c)
