@@ -138,9 +138,9 @@ fn the_default_material_is_a_rough_metal() {
 #[test]
 fn textures_are_shared_and_keep_their_samplers() {
     let mut b = triangle();
-    let png = b.view(&gltf_common::png());
+    let (png, copy) = (b.view(&gltf_common::png()), b.view(&gltf_common::png()));
     b.doc["images"] =
-        json!([{"bufferView": png, "mimeType": "image/png"}, {"bufferView": png, "mimeType": "image/png"}]);
+        json!([{"bufferView": png, "mimeType": "image/png"}, {"bufferView": copy, "mimeType": "image/png"}]);
     b.doc["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]);
     b.doc["textures"] = json!([{"source": 0, "sampler": 0}, {"source": 1}]);
     let turn = json!({"rotation": std::f32::consts::FRAC_PI_2, "offset": [0.25, 0.5], "scale": [2, 4], "texCoord": 1});

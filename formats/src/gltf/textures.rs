@@ -66,10 +66,11 @@ impl Textures {
                         }
                     };
                     match bytes {
-                        Ok(bytes) => {
+                        // Exporters write the same picture under several names.
+                        Ok(bytes) => encoded.iter().position(|(_, known)| *known == bytes).or_else(|| {
                             encoded.push((image, bytes));
                             Some(encoded.len() - 1)
-                        }
+                        }),
                         Err(error) => {
                             report.warn("missing-texture", format!("/images/{image}"), error.to_string());
                             None

@@ -130,7 +130,12 @@ impl Scanner {
         self.triangles += self.corners.len() as u64 - 2;
         let smooth = !normals && self.group != 0;
         let next = self.scan.parts.len();
-        let part = *self.part_index.entry((self.material, uvs, normals, smooth)).or_insert(next);
+        let key = (self.material, uvs, normals, smooth);
+        let part = match self.last_part {
+            Some((last, part)) if last == key => part,
+            _ => *self.part_index.entry(key).or_insert(next),
+        };
+        self.last_part = Some((key, part));
         if part == next {
             let name = self.name.clone();
             self.scan.parts.push(Part { material: self.material, name, faces: Vec::new(), groups: Vec::new() });

@@ -52,6 +52,9 @@ pub(super) struct Deferred {
     pub(super) group: u32,
 }
 
+/// What faces of a part have in common: material, texture coordinates, normals, smoothing.
+pub(super) type PartKey = (Option<u32>, bool, bool, bool);
+
 #[derive(Default)]
 pub(super) struct Scanner {
     pub(super) scan: Scan,
@@ -65,7 +68,9 @@ pub(super) struct Scanner {
     pub(super) name: String,
     /// The smoothing group in force, 0 for none.
     pub(super) group: u32,
-    pub(super) part_index: HashMap<(Option<u32>, bool, bool, bool), usize>,
+    /// The part of the face before, by the same key as in `part_index`: most faces follow one of their kind.
+    pub(super) last_part: Option<(PartKey, usize)>,
+    pub(super) part_index: HashMap<PartKey, usize>,
     pub(super) deferred: Vec<Deferred>,
     pub(super) corners: Vec<[u32; 3]>,
     pub(super) triangles: u64,

@@ -65,8 +65,9 @@ impl<'a> Lines<'a> {
             return None;
         }
         self.number = self.number.saturating_add(1);
-        let (line, rest) = self.rest.split_once('\n').unwrap_or((self.rest, ""));
-        self.rest = rest;
+        let end = memchr::memchr(b'\n', self.rest.as_bytes()).unwrap_or(self.rest.len());
+        let (line, rest) = self.rest.split_at_checked(end)?;
+        self.rest = rest.get(1..).unwrap_or_default();
         Some(line)
     }
 
