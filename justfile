@@ -27,7 +27,17 @@ seed-claims:
     cargo build --release --bin kiln --example seed_claims
     scripts/seed_claims.py
 
-# Rays a second against Embree's on meshes of our own, by turns in one run (Debian: apt-get install libembree-dev): `just bench rays`.
+# Measure: `just bench rays` or `just bench convergence`, with their options.
 bench what="rays" *options:
-    c++ -O3 -march=native scripts/bench/embree_{{what}}.cpp -o target/embree_{{what}} -lembree3
-    cargo run --release --example bench_{{what}} -- --embree target/embree_{{what}} {{options}}
+    just bench-{{what}} {{options}}
+
+# Rays a second against Embree's on meshes of our own, by turns in one run (Debian: apt-get install libembree-dev).
+bench-rays *options:
+    c++ -O3 -march=native scripts/bench/embree_rays.cpp -o target/embree_rays -lembree3
+    cargo run --release --example bench_rays -- --embree target/embree_rays {{options}}
+
+# CPU seconds to an error on the bench scenes, with a peer in turn (`--help`). KILN_SHARED names the folder of scenes and
+# references; PYTHON a python3 with numpy and OpenEXR.
+bench-convergence *options:
+    cargo build --release
+    ${PYTHON:-python3} scripts/bench/convergence.py {{options}}
