@@ -27,7 +27,7 @@ pub enum Strategy {
     Bsdf,
     /// Light sampling wherever light sampling can find the light; BSDF sampling for delta lobes.
     Light,
-    /// Both, weighted by the balance heuristic (multiple importance sampling).
+    /// Both, weighted by the power heuristic (multiple importance sampling).
     #[default]
     Mis,
 }

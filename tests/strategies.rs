@@ -3,9 +3,10 @@
 
 mod common;
 
-use common::everything::everything;
-use common::{shoot, view};
-use glam::DVec3;
+use common::everything::{at, everything};
+use common::{add, lambert, shoot, square, view};
+use glam::{DAffine3, DVec3};
+use kiln::Scene;
 use kiln::integrate::Rendered;
 use kiln::math::statistics;
 use kiln::prepare::EnvironmentSource;
@@ -88,4 +89,33 @@ fn strategies_that_ignore_the_material_agree_on_a_scene_with_everything() {
         let other = shoot_everything(2048, 2, strategy, sampler, light_samples);
         assert_agree(&reference, &other, &format!("{strategy:?} {sampler:?} {light_samples}"));
     }
+}
+
+/// A floor under a wide triangle, close to it, and forty small lamps: near the triangle it is nearly all that light samples
+/// choose, and half of the directions that scattering chooses find it, so that both ways need the right density of the
+/// other one. The shares of the choice differ from place to place.
+#[test]
+fn strategies_agree_among_many_lamps() {
+    let mut scene = Scene::default();
+    add(&mut scene, square(), lambert(0.8, 0.0), at(0.0, 0.0, 0.0, 2.0));
+    let down = DAffine3::from_rotation_x(std::f64::consts::PI);
+    let mut triangle = square();
+    triangle.triangles.truncate(1);
+    add(&mut scene, triangle, lambert(0.5, 1.0), at(-0.4, 0.0, 0.35, 0.6) * down);
+    for i in 0..40 {
+        let (x, y) = (f64::from(i % 8) * 0.45 - 1.6, f64::from(i / 8) * 0.7 - 1.4);
+        let size = if i % 3 == 0 { 0.02 } else { 0.06 };
+        let place = at(x, y, 0.5 + 0.02 * f64::from(i), size) * DAffine3::from_rotation_y(0.05 * f64::from(i)) * down;
+        add(&mut scene, square(), lambert(0.1, 2.0 + f64::from(i % 5) as f32), place);
+    }
+    // From the side, below the panel.
+    let view = view(DVec3::new(2.2, 0.1, 0.25), DVec3::new(-0.3, 0.0, 0.0), 40.0, 32);
+    let shoot = |strategy, spp, light_samples| {
+        let settings = RenderSettings { spp, max_depth: 2, strategy, light_samples, ..RenderSettings::default() };
+        shoot(&scene, &EnvironmentSource::None, &PrepareSettings::default(), &settings, &view)
+    };
+    let reference = shoot(Strategy::Mis, 1024, 1);
+    assert_agree(&reference, &shoot(Strategy::Mis, 256, 4), "four light samples");
+    assert_agree(&reference, &shoot(Strategy::Bsdf, 2048, 1), "bsdf");
+    assert_agree(&reference, &shoot(Strategy::Light, 1024, 1), "light");
 }

@@ -50,7 +50,7 @@ pub(super) fn direct(
         let inside = if outgoing.local.z < 0.0 { inside.crossed(prepared, &vertex.place) } else { inside };
         let visible = visibility(prepared, &asker, vertex, &outgoing, inside, &light);
         let weight = match (light.pdf, settings.strategy) {
-            (Some(pdf), Strategy::Mis) => balance(pdf * count as f32, bsdf_pdf),
+            (Some(pdf), Strategy::Mis) => power_heuristic(pdf * count as f32, bsdf_pdf),
             _ => 1.0,
         };
         let arriving = if visible == Vec3::ZERO { Vec3::ZERO } else { value * light.weight * visible * weight };
@@ -68,16 +68,19 @@ pub(super) fn direct(
     sum / count as f32
 }
 
-/// Veach's balance heuristic.
-pub(super) fn balance(pdf: f32, other: f32) -> f32 {
+/// Veach's power heuristic with the exponent 2 (1997, section 9.2.4): where one density is much the higher one, as towards a
+/// small light, the other way of finding the light adds little noise.
+pub(super) fn power_heuristic(pdf: f32, other: f32) -> f32 {
     // Neither overflows in the sum nor divides infinities, as long as one of them is finite.
-    1.0 / (1.0 + other / pdf)
+    let ratio = other / pdf;
+    1.0 / (1.0 + ratio * ratio)
 }
 
-/// [`balance`] in lanes.
+/// [`power_heuristic`] in lanes.
 #[inline(always)]
-pub(super) fn balance_lanes<F: Floats>(pdf: F, other: F) -> F {
-    pdf.fill(1.0) / (other / pdf + 1.0)
+pub(super) fn power_heuristic_lanes<F: Floats>(pdf: F, other: F) -> F {
+    let ratio = other / pdf;
+    pdf.fill(1.0) / (ratio * ratio + 1.0)
 }
 
 /// The share of emission found by scattering that light samples do not bring already.
@@ -87,7 +90,7 @@ fn found_weight(settings: &RenderSettings, sent: &Sent, light_pdf: impl FnOnce(&
         (Some(_), Strategy::Light) => 0.0,
         (Some((receiver, pdf)), Strategy::Mis) => {
             let light = light_pdf(receiver) * settings.light_samples.max(1) as f32;
-            if light == 0.0 { 1.0 } else { balance(*pdf, light) }
+            if light == 0.0 { 1.0 } else { power_heuristic(*pdf, light) }
         }
     }
 }

@@ -1,4 +1,3 @@
-use super::tree::Receiver;
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -29,16 +28,6 @@ impl Default for EmitterBounds {
             power: 0.0,
         }
     }
-}
-
-/// cos(max(a − b, 0)) of two angles in [0, π].
-fn cos_less(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
-    if cos_a > cos_b { 1.0 } else { cos_a * cos_b + sin_a * sin_b }
-}
-
-/// sin(max(a − b, 0)) of two angles in [0, π].
-fn sin_less(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
-    if cos_a > cos_b { 0.0 } else { sin_a * cos_b - cos_a * sin_b }
 }
 
 fn sine(cosine: f32) -> f32 {
@@ -108,42 +97,6 @@ impl EmitterBounds {
         let d = self.hi - self.lo;
         let area = 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x);
         self.power * solid * area.max(d.max_element() * d.max_element() * 1e-3)
-    }
-
-    /// An estimate of the irradiance at the receiver; zero only where none of the emitters can reach it.
-    pub fn importance(&self, receiver: &Receiver) -> f32 {
-        let to = receiver.point - self.center();
-        let radius2 = 0.25 * (self.hi - self.lo).length_squared();
-        let distance2 = to.length_squared();
-        if distance2 <= radius2 || distance2 == 0.0 {
-            // Inside: every direction is possible.
-            return if radius2 > 0.0 { self.power / radius2 } else { 0.0 };
-        }
-        let to = to / distance2.sqrt();
-        // Half the angle that the box subtends, by its sphere.
-        let sin_box = (radius2 / distance2).sqrt().min(1.0);
-        let cos_box = sine(sin_box);
-        let mut cos_axis = self.axis.dot(to).clamp(-1.0, 1.0);
-        if self.two_sided {
-            cos_axis = cos_axis.abs();
-        }
-        let (sin_axis, sin_spread) = (sine(cos_axis), sine(self.cos_spread));
-        let cos_beyond = cos_less(sin_axis, cos_axis, sin_spread, self.cos_spread);
-        let sin_beyond = sin_less(sin_axis, cos_axis, sin_spread, self.cos_spread);
-        let cos_emitted = cos_less(sin_beyond, cos_beyond, sin_box, cos_box);
-        // Rounding must not cut off what shines at grazing angles.
-        if cos_emitted <= -1e-4 {
-            return 0.0;
-        }
-        let mut cos_received = -receiver.normal.dot(to);
-        if receiver.both_sides {
-            cos_received = cos_received.abs();
-        }
-        let cos_received = cos_less(sine(cos_received), cos_received, sin_box, cos_box);
-        if cos_received <= -1e-4 {
-            return 0.0;
-        }
-        self.power * cos_emitted.max(1e-3) * cos_received.max(1e-3) / distance2
     }
 }
 

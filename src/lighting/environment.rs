@@ -1,4 +1,5 @@
 use super::distribution::Grid;
+use super::environment_lanes::MapTable;
 use super::studio;
 use crate::math::luminance;
 use glam::Vec3;
@@ -40,11 +41,12 @@ pub enum Environment {
 pub struct EnvironmentMap {
     width: usize,
     height: usize,
-    pixels: Vec<Vec3>,
     rotation: f32,
     up: UpAxis,
     grid: Grid,
     mean: Vec3,
+    /// Holds the pixels as well.
+    table: MapTable,
 }
 
 /// Texels along each side of the sampling grid at most.
@@ -169,8 +171,14 @@ impl EnvironmentMap {
         let grid = Grid::new(&spread, grid_width);
         (grid.total() > 0.0).then(|| {
             let mean = (mean / solid).as_vec3();
-            Self { width, height, pixels, rotation, up, grid, mean }
+            let table = MapTable::new(&pixels, [width, height], &spread, [grid_width, grid_height], rotation, up);
+            Self { width, height, rotation, up, grid, mean, table }
         })
+    }
+
+    /// What code in lanes reads.
+    pub(super) fn table(&self) -> &MapTable {
+        &self.table
     }
 
     fn uv(&self, dir: Vec3) -> [f32; 2] {
@@ -191,8 +199,8 @@ impl EnvironmentMap {
         let column = |x: f32| (x as i64).rem_euclid(self.width as i64) as usize;
         let row = |y: f32| (y as i64).clamp(0, self.height as i64 - 1) as usize * self.width;
         let (xa, xb, ya, yb) = (column(x0), column(x0 + 1.0), row(y0), row(y0 + 1.0));
-        let p = &self.pixels;
-        (p[ya + xa] * (1.0 - fx) + p[ya + xb] * fx) * (1.0 - fy) + (p[yb + xa] * (1.0 - fx) + p[yb + xb] * fx) * fy
+        let p = |at: usize| Vec3::from(self.table.pixels.each_ref().map(|channel| channel[at]));
+        (p(ya + xa) * (1.0 - fx) + p(ya + xb) * fx) * (1.0 - fy) + (p(yb + xa) * (1.0 - fx) + p(yb + xb) * fx) * fy
     }
 
     fn sample(&self, u: [f32; 2]) -> Option<(Vec3, Vec3, f32)> {

@@ -1,13 +1,25 @@
 //! Everything that lights: emissive triangles, punctual lights and the environment, each with `sample` and `pdf`.
 
+mod area;
+mod area_lanes;
 mod bounds;
+mod clusters;
+mod clusters_lanes;
 mod distribution;
+mod duplicates;
 mod environment;
+mod environment_lanes;
 mod lights;
+mod lights_lanes;
 mod punctual;
+mod sample;
+mod spherical;
 mod studio;
 mod tree;
 
+pub use clusters::Receiver;
+pub use clusters_lanes::ReceiverLanes;
 pub use environment::{Environment, EnvironmentSource};
-pub use lights::{LightReach, LightSample, Lights, Target};
-pub use tree::Receiver;
+pub use lights::Lights;
+pub use lights_lanes::LightSampleLanes;
+pub use sample::{LightReach, LightSample, Target};

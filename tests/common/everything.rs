@@ -8,7 +8,8 @@ use kiln::formats::scene::{
     MetalRough, Phong, Pixels, ScalarInput, Surface, Texture, TextureRef, Volume, Wrap,
 };
 
-fn at(x: f64, y: f64, z: f64, scale: f64) -> DAffine3 {
+/// Moved to (x, y, z) and scaled.
+pub fn at(x: f64, y: f64, z: f64, scale: f64) -> DAffine3 {
     DAffine3::from_translation(DVec3::new(x, y, z)) * DAffine3::from_scale(DVec3::splat(scale))
 }
 

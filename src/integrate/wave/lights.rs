@@ -2,7 +2,7 @@
 
 use super::surface::Surface;
 use super::{SHADOWS, Wave, shadow};
-use crate::integrate::direct::balance_lanes;
+use crate::integrate::direct::power_heuristic_lanes;
 use crate::integrate::wave::lanes::offset_point;
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
 use crate::lighting::{Receiver, Target};
@@ -93,7 +93,7 @@ impl Wave<'_> {
             let pdf = l.load(&chosen.pdf);
             let mut light = carried.throughput.times(value).times(chosen.vector(l, 1));
             if settings.strategy == Strategy::Mis {
-                let shared = balance_lanes(pdf * count as f32, bsdf_pdf);
+                let shared = power_heuristic_lanes(pdf * count as f32, bsdf_pdf);
                 light = light * L::F::select(pdf.gt(l.splat(0.0)), shared, l.splat(1.0));
             }
             if count > 1 {
