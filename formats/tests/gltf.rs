@@ -198,15 +198,15 @@ fn a_small_part_of_a_large_vertex_array_is_read_alone() {
 #[test]
 fn required_extensions_and_versions_are_honoured() {
     let mut b = triangle();
-    b.doc["extensionsUsed"] = json!(["KHR_materials_sheen", "KHR_materials_ior", "KHR_materials_sheen"]);
+    b.doc["extensionsUsed"] = json!(["VENDOR_materials_felt", "KHR_materials_ior", "VENDOR_materials_felt"]);
     let (_, warnings) = b.import().unwrap();
     let places: Vec<_> = warnings.iter().map(|w| (w.code.as_str(), w.place.as_str())).collect();
     assert_eq!(places, [("unsupported-extension", "/extensionsUsed/0")]);
-    b.doc["extensionsRequired"] = json!(["KHR_materials_ior", "KHR_materials_clearcoat"]);
+    b.doc["extensionsRequired"] = json!(["KHR_materials_ior", "VENDOR_materials_varnish"]);
     let error = b.import().unwrap_err();
     assert_eq!(error.code, ErrorCode::Unsupported);
     assert_eq!(error.place, Place::Json("/extensionsRequired/1".into()));
-    assert!(error.message.contains("KHR_materials_clearcoat"));
+    assert!(error.message.contains("VENDOR_materials_varnish"));
     for (asset, code) in [
         (json!({"version": "1.0"}), ErrorCode::Unsupported),
         (json!({"version": "2.1", "minVersion": "2.1"}), ErrorCode::Unsupported),

@@ -2,7 +2,7 @@
 //!
 //! A [`Study`] renders assets in several [`Way`]s with growing numbers of samples and several seeds, each picture against a
 //! [`Reference`] that is made once with its own error bar. What it measures are [`Cell`]s, kept one by one, so that a study
-//! that was interrupted goes on where it was. [`analyse`] makes curves, a frontier and sentences of them, [`publish`] files.
+//! that was interrupted goes on where it was. [`analyse`] makes curves, a frontier and sentences of them, [`publish()`] files.
 
 mod analysis;
 mod bench;

@@ -1,4 +1,4 @@
-//! Foretells what a batch takes: [`probe`] does each asset small, [`Forecast`] scales that up and plays the batch through.
+//! Foretells what a batch takes: [`probe()`] does each asset small, [`Forecast`] scales that up and plays the batch through.
 
 mod forecast;
 mod memory;

@@ -103,7 +103,7 @@ impl<L: Lanes> Packet<L> {
     }
 }
 
-/// Components in the order of [`ShearedRay::axes`].
+/// Components in the order of `ShearedRay::axes`.
 #[inline(always)]
 fn turn<L: Lanes>([along_x, along_y]: [L::M; 2], v: V3<L::F>) -> [L::F; 3] {
     let [x, y, z] = [v.x, v.y, v.z];
