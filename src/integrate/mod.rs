@@ -125,13 +125,11 @@ pub fn render_pass(
     samples: Range<u32>,
     control: &Control,
 ) -> Result<PassTally, Stopped> {
-    if settings.integrator == Integrator::Whitted {
-        return whitted::render_pass(scene, view, settings, film, samples, control);
-    }
     debug_assert_eq!((film.spp, film.width, film.height), (samples.start, view.width, view.height));
     let camera = RayCamera::new(&view.camera, &scene.frame);
     let course = Course::new(scene, settings, view);
     let memories = wave::Memories::default();
+    let whitted = (settings.integrator == Integrator::Whitted).then(|| whitted::Tracer::new(scene));
     let before = &*film;
     let tiles = Tile::corners(before)
         .par_iter()
@@ -139,12 +137,17 @@ pub fn render_pass(
         .map(|corner| {
             let clock = ThreadTime::now();
             let mut tile = Tile::of(before, *corner, settings.clamp);
-            if settings.integrator == Integrator::Plain {
-                render_tile(&course, view, &camera, &mut tile, samples.clone(), control)?;
+            if let Some(tracer) = &whitted {
+                tracer.render_tile(view, settings, &mut tile, samples.clone(), control)?;
             } else {
-                wave::render_tile(&course, view, &camera, &memories, &mut tile, samples.clone(), control)?;
+                if settings.integrator == Integrator::Plain {
+                    render_tile(&course, view, &camera, &mut tile, samples.clone(), control)?;
+                } else {
+                    wave::render_tile(&course, view, &camera, &memories, &mut tile, samples.clone(), control)?;
+                }
+                // Whitted's paths are not those that a replay follows.
+                tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
             }
-            tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
             tile.tally.cpu_seconds += clock.elapsed().as_secs_f64();
             Ok(tile)
         })

@@ -9,18 +9,15 @@ mod material;
 mod shapes;
 
 use super::tile::Tile;
-use super::{PassTally, RayCounts, View};
-use crate::film::Film;
+use super::{RayCounts, View};
 use crate::lighting::Environment;
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::RenderSettings;
-use cpu_time::ThreadTime;
 use glam::{DVec3, Vec3};
 use kiln_formats::scene::{Falloff, Light, LightKind, Projection};
 use kiln_formats::{Control, Stopped};
 use material::Matter;
-use rayon::prelude::*;
 use shapes::{Met, Shapes};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -30,45 +27,8 @@ const LEAST_SHARE: f64 = 1e-4;
 /// Surfaces of glass that a shadow ray passes at most.
 const MOST_CROSSINGS: u32 = 256;
 
-/// As [`super::render_pass`]. The first sample of a pixel is taken at its lower left corner, as the course tracers do.
-pub(super) fn render_pass(
-    prepared: &PreparedScene,
-    view: &View,
-    settings: &RenderSettings,
-    film: &mut Film,
-    samples: Range<u32>,
-    control: &Control,
-) -> Result<PassTally, Stopped> {
-    let tracer = Tracer { prepared, shapes: Shapes::new(prepared), environment: prepared.lights.environment.as_ref() };
-    let before = &*film;
-    let tiles = Tile::corners(before)
-        .par_iter()
-        .with_max_len(1)
-        .map(|corner| {
-            let clock = ThreadTime::now();
-            let mut tile = Tile::of(before, *corner, settings.clamp);
-            for pixel in 0..tile.width * tile.height {
-                control.check()?;
-                let place = [tile.x + pixel % tile.width, tile.y + pixel / tile.width];
-                for sample in samples.clone() {
-                    let (radiance, covered) = tracer.sample(view, settings, place, sample, &mut tile.tally.rays);
-                    tile.add(pixel as usize, sample, radiance, covered);
-                }
-                control.advance(u64::from(samples.end - samples.start));
-            }
-            tile.tally.cpu_seconds += clock.elapsed().as_secs_f64();
-            Ok(tile)
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut tally = PassTally::default();
-    for tile in tiles {
-        tally += tile.store(film);
-    }
-    film.spp = samples.end;
-    Ok(tally)
-}
-
-struct Tracer<'a> {
+/// A prepared scene as the course tracers see it.
+pub(super) struct Tracer<'a> {
     prepared: &'a PreparedScene,
     shapes: Shapes<'a>,
     environment: Option<&'a Environment>,
@@ -88,7 +48,32 @@ struct Beam {
     share: f64,
 }
 
-impl Tracer<'_> {
+impl<'a> Tracer<'a> {
+    pub(super) fn new(prepared: &'a PreparedScene) -> Self {
+        Self { prepared, shapes: Shapes::new(prepared), environment: prepared.lights.environment.as_ref() }
+    }
+
+    /// Adds samples to a tile. The first of a pixel is taken at its lower left corner, as the course tracers do.
+    pub(super) fn render_tile(
+        &self,
+        view: &View,
+        settings: &RenderSettings,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        control: &Control,
+    ) -> Result<(), Stopped> {
+        for pixel in 0..tile.width * tile.height {
+            control.check()?;
+            let place = [tile.x + pixel % tile.width, tile.y + pixel / tile.width];
+            for sample in samples.clone() {
+                let (radiance, covered) = self.sample(view, settings, place, sample, &mut tile.tally.rays);
+                tile.add(pixel as usize, sample, radiance, covered);
+            }
+            control.advance(u64::from(samples.end - samples.start));
+        }
+        Ok(())
+    }
+
     fn sample(
         &self,
         view: &View,
