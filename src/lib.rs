@@ -8,6 +8,7 @@ pub mod accuracy;
 pub mod batch;
 pub mod checks;
 pub mod film;
+pub mod gallery;
 pub mod geometry;
 pub mod integrate;
 pub mod lab;

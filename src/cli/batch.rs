@@ -1,6 +1,7 @@
 use super::console::Console;
 use super::exit::{Exit, Fatal};
 use super::folders::{Folders, job};
+use super::gallery;
 use super::interrupt::Interrupt;
 use super::options::SettingOptions;
 use super::progress::Progress;
@@ -19,10 +20,11 @@ Examples:
   kiln batch chairs tables --out pictures --spp 256 --format png
   kiln batch assets --out turns --turntable 24 --background '#ffffff'
   kiln batch assets --out pictures --include '*.glb' --exclude 'old/*' --jobs 4
+  kiln batch assets --out pictures --against earlier/pictures
   kiln batch assets --out pictures --json | jq 'select(.status == \"failed\")'
 
 A picture is called like its asset: chairs/oak.glb gives pictures/chairs/oak.glb.png and .exr. With several folders,
-each folder's name comes first. manifest.jsonl holds one line per asset.";
+each folder's name comes first. manifest.jsonl holds one line per asset; index.html shows them all.";
 
 /// `kiln batch`.
 #[derive(Args)]
@@ -39,6 +41,9 @@ pub struct BatchCommand {
     /// Assets worked on at a time: bounds the memory [default: the number of threads]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=4096))]
     jobs: Option<u16>,
+    /// Output folder of an earlier run: the gallery compares with it
+    #[arg(long, value_name = "DIR")]
+    against: Option<PathBuf>,
     #[command(flatten)]
     options: SettingOptions,
 }
@@ -81,7 +86,8 @@ impl BatchCommand {
         if let Err(error) = &recorded {
             eprintln!("error: {manifest}: cannot be written: {error}");
         }
-        let whole = discovered.unreadable.is_empty() && recorded.is_ok();
+        let shown = gallery::write(&self.out, self.against.as_deref(), &console);
+        let whole = discovered.unreadable.is_empty() && recorded.is_ok() && shown;
         Ok(Exit::of(&outcomes, whole, interrupt.happened()))
     }
 }

@@ -6,6 +6,7 @@ mod compare;
 mod console;
 mod exit;
 mod folders;
+mod gallery;
 mod inspect;
 mod interrupt;
 mod looks;
@@ -24,13 +25,14 @@ use std::process::ExitCode;
 const ABOUT: &str = "Turns folders of 3D assets into path-traced pictures";
 const EXAMPLES: &str = "\
 Examples:
-  kiln batch assets --out pictures            every asset below assets, PNG and EXR, with a manifest
+  kiln batch assets --out pictures            every asset below assets, PNG and EXR, with a manifest and a gallery
   kiln batch assets --out turns --turntable 24
   kiln render chair.glb                       chair.glb.png in the current folder
   kiln render chair.glb -o chair.exr --width 1024 --spp 256
   kiln inspect chair.glb                      what is in it
   kiln plan assets                            how long a batch will take
   kiln study chair.glb --out study            what accuracy costs in time: study/report.html
+  kiln gallery pictures --against earlier     what changed since an earlier run: pictures/index.html
   kiln compare new.png old.png                how much two pictures differ
   kiln check                                  whether this installation computes light correctly
 
@@ -55,6 +57,8 @@ enum Command {
     Plan(plan::PlanCommand),
     /// Measure what accuracy costs in time, and write a report
     Study(study::StudyCommand),
+    /// Write the gallery of a batch's folder anew, or one that compares it with an earlier run
+    Gallery(gallery::GalleryCommand),
     /// Tell how much two pictures differ
     Compare(compare::CompareCommand),
     /// Render scenes whose light is known and compare
@@ -76,6 +80,7 @@ pub fn main() -> ExitCode {
         Command::Inspect(command) => command.run(),
         Command::Plan(command) => command.run(),
         Command::Study(command) => command.run(),
+        Command::Gallery(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Check(command) => command.run(),
     };

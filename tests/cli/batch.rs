@@ -23,7 +23,7 @@ fn a_broken_file_among_good_ones_costs_itself_alone() {
     let lines = manifest(&dir.path().join("out"));
     let want = [("C.GLTF", "failed"), ("a.gltf", "ok"), ("b/square.obj", "ok"), ("d.obj", "failed")];
     assert_eq!(statuses(&lines), want);
-    let want = ["a.gltf.exr", "a.gltf.png", "b/square.obj.exr", "b/square.obj.png", "manifest.jsonl"];
+    let want = ["a.gltf.exr", "a.gltf.png", "b/square.obj.exr", "b/square.obj.png", "index.html", "manifest.jsonl"];
     assert_eq!(files(&dir.path().join("out")), want);
     for line in lines.iter().filter(|l| l["status"] == "failed") {
         assert!(line["error_message"].as_str().is_some_and(|m| !m.is_empty()), "{line}");
@@ -86,7 +86,7 @@ fn when_everything_fails_the_code_is_1() {
     let dir = folder(&[("in/a.obj", "f 1 2 3\n"), ("in/b.glb", "no glb")]);
     let output = batch(dir.path(), &["in", "--out", "out"]);
     assert_eq!(code(&output), 1);
-    assert_eq!(files(&dir.path().join("out")), ["manifest.jsonl"]);
+    assert_eq!(files(&dir.path().join("out")), ["index.html", "manifest.jsonl"]);
 }
 
 #[test]
@@ -132,7 +132,7 @@ fn an_output_that_cannot_be_written_is_a_failure_with_its_cause() {
     assert_eq!(lines[0]["error_code"], "unwritable");
     assert!(lines[0]["error_message"].as_str().expect("message").contains("a.obj.png"));
     // Nothing half-done is left.
-    assert_eq!(files(&dir.path().join("out")), ["b.obj.exr", "b.obj.png", "manifest.jsonl"]);
+    assert_eq!(files(&dir.path().join("out")), ["b.obj.exr", "b.obj.png", "index.html", "manifest.jsonl"]);
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn globs_choose_and_the_output_folder_is_not_searched() {
     let output = batch(dir.path(), &arguments);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!(statuses(&manifest(&dir.path().join("out"))), [("a.obj", "ok"), ("c/d.obj", "ok")]);
-    assert_eq!(files(&dir.path().join("out")), ["a.obj.png", "c/d.obj.png", "e.obj", "manifest.jsonl"]);
+    assert_eq!(files(&dir.path().join("out")), ["a.obj.png", "c/d.obj.png", "e.obj", "index.html", "manifest.jsonl"]);
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn several_folders_keep_their_outputs_apart() {
     let dir = folder(&[("x/chairs/oak.obj", OBJ), ("y/chairs/oak.obj", OBJ)]);
     let output = batch(dir.path(), &["x/chairs", "y/chairs", "--out", "out", "--format", "png"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let want = ["chairs/oak.obj.png", "chairs-2/oak.obj.png", "manifest.jsonl"];
+    let want = ["chairs/oak.obj.png", "chairs-2/oak.obj.png", "index.html", "manifest.jsonl"];
     assert_eq!(files(&dir.path().join("out")), want);
 }
 

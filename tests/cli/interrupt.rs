@@ -32,5 +32,5 @@ fn ctrl_c_stops_in_order() {
     assert_eq!(status.code(), Some(130));
     let lines = manifest(&dir.path().join("out"));
     assert_eq!(statuses(&lines), [("a.obj", "skipped"), ("b.obj", "skipped"), ("c.obj", "skipped")]);
-    assert_eq!(files(&dir.path().join("out")), ["manifest.jsonl"], "no half-done file");
+    assert_eq!(files(&dir.path().join("out")), ["index.html", "manifest.jsonl"], "no half-done file");
 }

@@ -5,6 +5,7 @@
 mod batch;
 mod compare;
 mod determinism;
+mod gallery;
 mod inspect;
 mod interrupt;
 mod looks;
