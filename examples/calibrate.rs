@@ -15,6 +15,7 @@ mod trial;
 
 use kiln::Control;
 use kiln::batch::{Job, Output, Ready, make_ready};
+use kiln::formats::Limits;
 use kiln::settings::{Settings, ViewSettings};
 use std::path::{Path, PathBuf};
 
@@ -51,6 +52,7 @@ fn load(asset: &Path, size: u32) -> Result<Ready, String> {
         input: asset.into(),
         name: asset.display().to_string(),
         root: None,
+        limits: Limits::default(),
         output: Output { folder: PathBuf::new(), stem: PathBuf::new(), ending: None },
         settings: Settings { views, ..Settings::default() },
     };

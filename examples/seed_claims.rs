@@ -6,6 +6,7 @@
 use cpu_time::ThreadTime;
 use kiln::Control;
 use kiln::batch::{Job, Output, make_ready};
+use kiln::formats::Limits;
 use kiln::integrate::{View, render};
 use kiln::sampling::{PathSampler, Purpose};
 use kiln::settings::{SamplerKind, Settings};
@@ -66,7 +67,8 @@ fn schedule(asset: &Path) -> Value {
     (settings.views.width, settings.views.height) = (BANDS * ROWS, BANDS * ROWS);
     let name = asset.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let output = Output { folder: PathBuf::new(), stem: PathBuf::new(), ending: None };
-    let job = Job { input: asset.to_path_buf(), name: name.clone(), root: None, output, settings };
+    let job =
+        Job { input: asset.to_path_buf(), name: name.clone(), root: None, limits: Limits::default(), output, settings };
     let control = Control::default();
     let ready = match make_ready(&job, &control, None) {
         Ok(ready) => ready,

@@ -3,12 +3,14 @@
 mod environment;
 mod goal;
 mod look;
+pub mod path_text;
 mod pictures;
 mod views;
 
 pub use environment::{EnvironmentFile, EnvironmentSettings};
 pub use goal::{Goal, MOST_SPP, Preset};
 pub use look::LookSettings;
+pub use path_text::PathText;
 pub use pictures::{Background, BitDepth, Exposure, PictureFormat, PictureSettings, ToneMap};
 pub use views::{CameraChoice, FixedView, UpChoice, ViewSettings};
 

@@ -4,6 +4,7 @@
 
 use kiln::Control;
 use kiln::batch::{Desk, Job, MemorySink, Outcome, Output, Sink, Stage, Status, run_asset, run_asset_with};
+use kiln::formats::Limits;
 use kiln::settings::{RenderSettings, Settings, ViewSettings};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ fn job(folder: &Path) -> Job {
     };
     settings.render.seed = u64::MAX;
     let output = Output { folder: folder.join("out"), stem: PathBuf::from("a.obj"), ending: None };
-    Job { input, name: "a.obj".into(), root: None, output, settings }
+    Job { input, name: "a.obj".into(), root: None, limits: Limits::default(), output, settings }
 }
 
 fn run(job: &Job, control: &Control, sink: &dyn Sink) -> Outcome {

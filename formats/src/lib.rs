@@ -21,7 +21,7 @@ pub use contents::{Clip, Contents, SourceMaterial};
 pub use control::{Control, Stopped};
 pub use error::{ErrorCode, ImportError, Place, Warning};
 pub use limits::Limits;
-pub use resources::Resources;
+pub use resources::{FileRead, Resources, Touched};
 pub use scene::Scene;
 pub use show::Show;
 
@@ -84,6 +84,19 @@ pub struct Imported {
 /// [`ImportError`] when nothing can be shown. Never panics: a panic in a third-party decoder becomes
 /// [`ErrorCode::Internal`].
 pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result<Imported, ImportError> {
+    import_noting(path, options, control, &mut Touched::default())
+}
+
+/// As [`import()`], with the files that were read and looked for, whether it goes well or not.
+///
+/// # Errors
+/// As [`import()`].
+pub fn import_noting(
+    path: &Path,
+    options: &ImportOptions,
+    control: &Control,
+    touched: &mut Touched,
+) -> Result<Imported, ImportError> {
     let format = Format::of(path)
         .ok_or_else(|| ImportError::new(ErrorCode::UnknownFormat, "is not a .gltf, .glb, .obj or .ray file"))?;
     let mut resources = Resources::new(path, options.root.as_deref(), options.limits)?;
@@ -96,8 +109,10 @@ pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result
             Format::Ray => ray::import(bytes, &mut resources, options.ray, &mut warnings, control),
         }
     });
-    let scene = catch_unwind(run)
-        .unwrap_or_else(|_| Err(ImportError::new(ErrorCode::Internal, "a decoder panicked on this file")))?;
+    let imported = catch_unwind(run);
+    *touched = resources.touched();
+    let scene =
+        imported.unwrap_or_else(|_| Err(ImportError::new(ErrorCode::Internal, "a decoder panicked on this file")))?;
     scene
         .validate()
         .map_err(|e| ImportError::new(ErrorCode::Internal, format!("importer made an invalid scene: {e}")))?;
@@ -106,5 +121,5 @@ pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result
             format!("{} triangles exceed the limit of {}", scene.triangle_count(), options.limits.max_triangles);
         return Err(ImportError::new(ErrorCode::TooLarge, message));
     }
-    Ok(Imported { scene, warnings, files: resources.files_read().to_vec(), contents })
+    Ok(Imported { scene, warnings, files: touched.read.iter().map(|file| file.path.clone()).collect(), contents })
 }

@@ -4,6 +4,7 @@ use crate::{ErrorCode, ImportError, Limits};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Reads the asset's file and what it refers to.
 ///
@@ -14,7 +15,27 @@ pub struct Resources {
     folder: PathBuf,
     root: PathBuf,
     limits: Limits,
-    read: Vec<PathBuf>,
+    read: Vec<FileRead>,
+    /// A lock, because looking for a file changes nothing else.
+    missing: Mutex<Vec<PathBuf>>,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileRead {
+    /// Its canonical path.
+    pub path: PathBuf,
+    /// BLAKE3 hash of the bytes that were read.
+    pub hash: [u8; 32],
+}
+
+/// The files that decide what an asset is.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Touched {
+    /// What was read, the asset first, each file once.
+    pub read: Vec<FileRead>,
+    /// What was looked for and is not there: should it appear, the asset is another one.
+    pub missing: Vec<PathBuf>,
 }
 
 fn io_error(name: &str, error: &std::io::Error) -> ImportError {
@@ -38,7 +59,7 @@ impl Resources {
             Some(root) => canonical(root)?,
             None => folder.parent().unwrap_or(&folder).to_path_buf(),
         };
-        Ok(Self { folder, root, limits, read: Vec::new() })
+        Ok(Self { folder, root, limits, read: Vec::new(), missing: Mutex::default() })
     }
 
     /// The limits in force.
@@ -46,9 +67,10 @@ impl Resources {
         &self.limits
     }
 
-    /// Canonical paths of all files read so far: the asset with all that it refers to.
-    pub fn files_read(&self) -> &[PathBuf] {
-        &self.read
+    /// The files read and looked for so far: the asset with all that it refers to.
+    pub fn touched(&self) -> Touched {
+        let missing = self.missing.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Touched { read: self.read.clone(), missing }
     }
 
     /// Reads the asset itself (it may lie anywhere).
@@ -90,7 +112,16 @@ impl Resources {
         let path = match path.canonicalize() {
             Ok(path) => path,
             // Files packed on case-insensitive systems often differ in case from their references.
-            Err(error) => find_ignoring_case(&self.folder, relative).ok_or_else(|| io_error(reference, &error))?,
+            Err(error) => match find_ignoring_case(&self.folder, relative) {
+                Some(path) => path,
+                None => {
+                    let mut missing = self.missing.lock().unwrap_or_else(PoisonError::into_inner);
+                    if !missing.contains(&path) {
+                        missing.push(path);
+                    }
+                    return Err(io_error(reference, &error));
+                }
+            },
         };
         if !path.starts_with(&self.root) {
             return refused("lies outside the root folder");
@@ -119,8 +150,8 @@ impl Resources {
         if bytes.len() as u64 > limit {
             return Err(too_large());
         }
-        if !self.read.iter().any(|p| p == path) {
-            self.read.push(path.to_path_buf());
+        if !self.read.iter().any(|file| file.path == path) {
+            self.read.push(FileRead { path: path.to_path_buf(), hash: blake3::hash(&bytes).into() });
         }
         Ok(bytes)
     }
@@ -184,8 +215,10 @@ mod tests {
         ] {
             assert_eq!(resources.read(reference).unwrap(), content.as_bytes(), "{reference}");
         }
-        let names: Vec<_> = resources.files_read().iter().filter_map(|p| p.file_name()?.to_str()).collect();
+        let touched = resources.touched();
+        let names: Vec<_> = touched.read.iter().filter_map(|f| f.path.file_name()?.to_str()).collect();
         assert_eq!(names, ["a.obj", "Wood.PNG", "beside.png"]);
+        assert_eq!(touched.read[1].hash, *blake3::hash(b"wood").as_bytes());
     }
 
     #[test]
@@ -209,7 +242,8 @@ mod tests {
             assert_eq!(resources.read(reference).unwrap_err().code, ErrorCode::Refused, "{reference:?}");
         }
         assert_eq!(resources.read("gone.png").unwrap_err().code, ErrorCode::Io);
-        assert!(resources.files_read().is_empty());
+        let missing = asset.canonicalize().unwrap().join("gone.png");
+        assert_eq!(resources.touched(), Touched { read: Vec::new(), missing: vec![missing] });
         let wide = Resources::new(&asset.join("a.obj"), Some(top.path()), Limits::default());
         assert_eq!(wide.unwrap().read("../../secret.txt").unwrap(), b"secret");
         let narrow = Resources::new(&asset.join("a.obj"), Some(&asset), Limits::default());

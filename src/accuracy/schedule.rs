@@ -2,24 +2,31 @@ use crate::settings::Goal;
 
 /// The passes of a render: how many samples per pixel there are at the end of each. Fixed by the settings alone.
 ///
-/// Where nothing is to be decided on the way, all samples are one pass. With a deadline the first pass is one sample; with an
+/// Where nothing is to be decided on the way, the first pass is [`AT_ONCE`] samples, and few pictures need another: after each
+/// pass one may stop with a picture. With a deadline the first pass is one sample; with an
 /// error asked for, the first is [`FIRST_LOOK`], since fewer samples say little about what they have not seen. Then passes
 /// double up to 4 samples, take 4 more up to 16, and from there on divide each octave in four.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Schedule {
     most: u32,
     first: u32,
-    whole: bool,
 }
 
 /// The fewest samples per pixel after which the error is judged.
 pub const FIRST_LOOK: u32 = 16;
 
+/// Samples per pixel that are taken before anybody may stop with a picture.
+const AT_ONCE: u32 = 64;
+
 impl Schedule {
     /// For a goal and at most `spp` samples per pixel.
     pub fn new(goal: &Goal, spp: u32) -> Self {
-        let first = if goal.time.is_some() { 1 } else { FIRST_LOOK };
-        Self { most: spp.max(1), first, whole: goal.time.is_none() && goal.error.is_none() }
+        let first = match (goal.time, goal.error) {
+            (Some(_), _) => 1,
+            (None, Some(_)) => FIRST_LOOK,
+            (None, None) => AT_ONCE,
+        };
+        Self { most: spp.max(1), first }
     }
 
     /// Samples per pixel at the end of the pass that begins with `spp` of them; `None` when there are no more passes.
@@ -28,7 +35,6 @@ impl Schedule {
             return None;
         }
         let next = match spp {
-            _ if self.whole => self.most,
             0 => self.first,
             1..4 => spp.saturating_mul(2),
             4..FIRST_LOOK => spp + 4,
@@ -51,7 +57,8 @@ mod tests {
 
     #[test]
     fn passes_grow_by_quarters_of_an_octave_in_whole_replicates() {
-        assert_eq!(ends(Goal::default(), 100), [100]);
+        assert_eq!(ends(Goal::default(), 64), [64]);
+        assert_eq!(ends(Goal::default(), 150), [64, 80, 96, 112, 128, 150]);
         let timed = Goal { time: Some(1.0), error: None };
         assert_eq!(ends(timed, 50), [1, 2, 4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 50]);
         let accurate = Goal { error: Some(2.0), time: None };

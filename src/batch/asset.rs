@@ -3,7 +3,7 @@ use super::by_deadline::by_deadline;
 use super::environment::{self, LoadedEnvironment};
 use super::failure::{Failure, guarded};
 use super::picture::Shot;
-use super::read::{Read, read};
+use super::read::{Read, note, read};
 use super::sink::{FileSink, Sink};
 use super::stages::{StageClock, peak_bytes};
 use super::{Job, Outcome, SceneFacts, Stage, Status, digest, exposure, looks};
@@ -11,7 +11,7 @@ use crate::accuracy::{Display, Ended, Finished, Progressive};
 use crate::integrate::{PassTally, View};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
 use crate::settings::{EnvironmentSettings, Exposure, PictureFormat, PrepareSettings};
-use kiln_formats::{Control, ErrorCode, Format, Scene, Warning};
+use kiln_formats::{Control, ErrorCode, Format, Scene, Stopped, Warning};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
         return looks::run(job, control, desk);
     }
     let clock = StageClock::begin();
-    let mut outcome = Outcome::skipped(&job.name, job.settings.render.seed);
+    let mut outcome = Outcome::of(job);
     let views = &job.settings.views;
     let budget = Budget::begin(&job.settings.goal, control, u64::from(views.width) * u64::from(views.height));
     let control = &budget.before_the_first_pass(control);
@@ -87,10 +87,10 @@ impl Work<'_> {
         let mut all = Ended::Samples;
         for index in 0..views.len() {
             let (ended, finished) = self.render(&prepared, &views, index, exposure)?;
-            if ended == Ended::Deadline {
-                all = ended;
-            }
             self.write(&finished, index as u32, exposure)?;
+            if ended? == Ended::Deadline {
+                all = Ended::Deadline;
+            }
         }
         if self.control.deadline().is_some() {
             // Giving back gigabytes takes a while that the deadline does not leave.
@@ -99,20 +99,20 @@ impl Work<'_> {
         Ok(all)
     }
 
-    /// Renders a view, pass by pass.
+    /// Renders a view, pass by pass. Stopped after the first pass, it gives the picture so far.
     fn render(
         &mut self,
         prepared: &PreparedScene,
         views: &[View],
         index: usize,
         exposure: f64,
-    ) -> Result<(Ended, Finished), Failure> {
+    ) -> Result<(Result<Ended, Stopped>, Finished), Failure> {
         self.begin(Stage::Render { view: index as u32, views: views.len() as u32 });
         let clock = StageClock::begin();
         let settings = &self.job.settings;
         let display = Display::new(&settings.pictures, exposure);
         let mut progressive = Progressive::new(prepared, &views[index], &settings.render, &settings.goal, display);
-        let mut ended = progressive.step(self.control)?;
+        let ended = progressive.step(self.control)?;
         if ended.is_none() && index == 0 && self.budget.affords_trial() {
             let trial = StageClock::begin();
             let shot = Shot {
@@ -125,13 +125,14 @@ impl Work<'_> {
             shot.encode(self.job, self.outcome).map_err(|e| Failure::new("unwritable", e))?;
             self.budget.learn(&trial);
         }
-        if ended.is_none() {
-            ended = Some(progressive.run(&self.budget.of_view(self.control, views.len() - index))?);
-        }
+        let ended = match ended {
+            Some(ended) => Ok(ended),
+            None => progressive.run(&self.budget.of_view(self.control, views.len() - index)),
+        };
         let finished = progressive.finish();
         self.count(&finished.tally, Some(index as u32));
         self.outcome.seconds.render += clock.seconds().0;
-        Ok((ended.unwrap_or(Ended::Samples), finished))
+        Ok((ended, finished))
     }
 
     /// All that comes before the pictures: the scene, its views and their exposure.
@@ -173,11 +174,11 @@ impl Work<'_> {
         let read = by_deadline(self.control, move |control| read(&job, control));
         // A failed import costs time too.
         (self.outcome.seconds.import, self.outcome.cpu_seconds.import) = clock.seconds();
-        let (read, cpu) = read?;
+        let ((touched, read), cpu) = read?;
         self.outcome.cpu_seconds.import = self.outcome.cpu_seconds.import.max(cpu);
-        let Read { imported, content, views } = read?;
+        note(self.outcome, self.job, &touched);
+        let Read { imported, views } = read?;
         self.outcome.warnings = imported.warnings;
-        self.outcome.content = Some(content?);
         let scene = imported.scene;
         self.outcome.scene = Some(SceneFacts {
             triangles: scene.triangle_count(),
@@ -267,12 +268,11 @@ impl Work<'_> {
     fn write(&mut self, finished: &Finished, index: u32, exposure: f64) -> Result<(), Failure> {
         self.begin(Stage::Write);
         let clock = StageClock::begin();
-        let unwritable = |e: String| Failure::new("unwritable", e);
         let Finished { film, tally, accuracy } = finished;
         let shot = Shot { film, accuracy: *accuracy, tally, view: index, exposure };
-        for file in shot.encode(self.job, self.outcome).map_err(unwritable)? {
+        for file in shot.encode(self.job, self.outcome).map_err(|e| Failure::new("unwritable", e))? {
             let put = self.desk.sink.put(&file.path, file.bytes);
-            put.map_err(|e| unwritable(format!("{} cannot be written: {e}", file.record.path)))?;
+            put.map_err(|e| Failure::unwritable(&file.record.path, &e))?;
             self.outcome.outputs.push(file.record);
         }
         let (wall, cpu) = clock.seconds();

@@ -1,11 +1,11 @@
 use crate::settings::{EnvironmentSettings, Settings};
-use kiln_formats::Control;
+use kiln_formats::{Control, FileRead};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::PathBuf;
 
 /// Bytes hashed between two looks at the control.
-const BLOCK: usize = 1 << 20;
+const BLOCK: usize = 1 << 16;
 
 /// `blake3:` and the hexadecimal hash of bytes.
 pub fn of_bytes(bytes: &[u8]) -> String {
@@ -18,7 +18,7 @@ pub fn of_bytes(bytes: &[u8]) -> String {
 /// When a file cannot be read; [`io::ErrorKind::Interrupted`] when `control` asks for a stop.
 pub fn of_files(files: &[PathBuf], control: &Control) -> io::Result<String> {
     let mut all = blake3::Hasher::new();
-    let mut block = vec![0; BLOCK];
+    let mut block = [0; BLOCK];
     for file in files {
         let mut one = blake3::Hasher::new();
         let mut reader = File::open(file)?;
@@ -36,15 +36,26 @@ pub fn of_files(files: &[PathBuf], control: &Control) -> io::Result<String> {
     Ok(format!("blake3:{}", all.finalize().to_hex()))
 }
 
+/// As [`of_files`], of files that have been read.
+pub fn of_read(files: &[FileRead]) -> String {
+    let mut all = blake3::Hasher::new();
+    files.iter().for_each(|file| {
+        all.update(&file.hash);
+    });
+    format!("blake3:{}", all.finalize().to_hex())
+}
+
 /// `blake3:` and the hash of the canonical JSON (sorted keys, no blanks) of all settings that pictures depend on.
 ///
-/// The instruction set is left out, for it changes no pixel; an environment file counts by its content.
+/// The instruction set is left out, for it changes no pixel, and so is the time allowed: a picture that was finished within
+/// it is the picture without it, and one that was not says so. An environment file counts by its content.
 ///
 /// # Errors
 /// Only should a number not be finite, which JSON cannot say.
 pub fn of_settings(settings: &Settings, environment_digest: Option<&str>) -> serde_json::Result<String> {
     let mut settings = settings.clone();
     settings.prepare.simd = Default::default();
+    settings.goal.time = None;
     if let (EnvironmentSettings::File(file), Some(digest)) = (&mut settings.environment, environment_digest) {
         file.path = PathBuf::from(digest);
     }
@@ -63,6 +74,7 @@ mod tests {
         let plain = Settings::default();
         let mut other = plain.clone();
         other.prepare.simd = SimdTier::Scalar;
+        other.goal.time = Some(3.0);
         assert_eq!(hash(&plain), hash(&other));
         other.render.seed = 1;
         assert_ne!(hash(&plain), hash(&other));
@@ -86,6 +98,8 @@ mod tests {
         let control = Control::default();
         let paths = |files: &[&PathBuf]| files.iter().map(|f| (*f).clone()).collect::<Vec<_>>();
         let hash = |files: &[&PathBuf]| of_files(&paths(files), &control).expect("read");
+        let read = |path: &PathBuf, bytes: &[u8]| FileRead { path: path.clone(), hash: blake3::hash(bytes).into() };
+        assert_eq!(of_read(&[read(&a, b"one"), read(&c, b"two")]), hash(&[&a, &c]));
         assert_eq!(hash(&[&a, &c]), hash(&[&b, &c]));
         assert_ne!(hash(&[&a, &c]), hash(&[&a]));
         assert_ne!(hash(&[&a, &c]), hash(&[&c, &a]));

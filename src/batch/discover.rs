@@ -63,7 +63,25 @@ pub fn discover(discovery: &Discovery) -> Discovered {
     for (folder, prefix) in discovery.folders.iter().zip(prefixes(&discovery.folders)) {
         search(discovery, folder, &prefix, &mut discovered);
     }
+    refuse_doubles(&mut discovered);
     discovered
+}
+
+/// Takes out assets whose names cannot be told apart when written as text, but for the first.
+fn refuse_doubles(discovered: &mut Discovered) {
+    if discovered.found.iter().all(|found| found.relative.to_str().is_some()) {
+        return;
+    }
+    let mut names = BTreeSet::new();
+    let Discovered { found, unreadable } = discovered;
+    found.retain(|asset| {
+        let new = names.insert(asset.name());
+        if !new {
+            let message = format!("another asset is called {} as well", asset.name());
+            unreadable.push(Unreadable { path: asset.path.clone(), message });
+        }
+        new
+    });
 }
 
 fn search(discovery: &Discovery, folder: &Path, prefix: &Path, discovered: &mut Discovered) {

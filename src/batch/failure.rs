@@ -1,10 +1,14 @@
 use crate::settings::Goal;
 use kiln_formats::{ErrorCode, ImportError, Stopped};
 use std::any::Any;
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The error code of assets whose deadline came before the first picture.
 pub(super) const TOO_LATE: &str = "deadline-before-first-pass";
+
+/// The error code of assets that could not be written because nothing more can be.
+pub(super) const DISK_FULL: &str = "disk-full";
 
 /// Why an asset's pictures are not all there.
 pub(super) struct Failure {
@@ -20,6 +24,13 @@ impl Failure {
     /// For a stable word and a sentence.
     pub fn new(code: &str, message: impl Into<String>) -> Self {
         Self { code: code.into(), message: message.into(), stopped: false }
+    }
+
+    /// A picture cannot be written.
+    pub fn unwritable(path: &str, error: &io::Error) -> Self {
+        use io::ErrorKind::{QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+        let full = matches!(error.kind(), StorageFull | QuotaExceeded | ReadOnlyFilesystem);
+        Self::new(if full { DISK_FULL } else { "unwritable" }, format!("{path} cannot be written: {error}"))
     }
 
     /// The time is up.

@@ -1,17 +1,23 @@
-use crate::settings::{PictureFormat, Settings};
+use crate::settings::{PictureFormat, Settings, path_text};
+use kiln_formats::Limits;
 use serde::{Deserialize, Serialize};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// One asset to be turned into pictures: all that [`super::run_asset`] needs, as plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// The asset's file.
+    #[serde(with = "path_text")]
     pub input: PathBuf,
     /// What the manifest calls it: its path below the batch's folder, with `/`.
     pub name: String,
     /// The folder that references may not leave; by default the parent of the asset's folder.
+    #[serde(with = "path_text::optional")]
     pub root: Option<PathBuf>,
+    /// How large it may be.
+    #[serde(default)]
+    pub limits: Limits,
     /// Where the pictures go.
     pub output: Output,
     /// What they look like.
@@ -22,8 +28,10 @@ pub struct Job {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Output {
     /// The folder of the whole batch.
+    #[serde(with = "path_text")]
     pub folder: PathBuf,
     /// Path below it without the picture's ending, such as `chairs/oak.glb`.
+    #[serde(with = "path_text")]
     pub stem: PathBuf,
     /// The ending without the dot, instead of the format's own: `PNG` when somebody asked for `oak.PNG`.
     pub ending: Option<String>,
@@ -43,7 +51,8 @@ impl Output {
 }
 
 /// What is being done for an asset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Stage {
     /// Reading and decoding.
     Import,
@@ -75,18 +84,36 @@ impl Stage {
     }
 }
 
-/// A path with `/` between its parts, for manifests.
+/// A path with `/` between its parts, for manifests. Bytes that are not UTF-8 become `%` and two hexadecimal digits.
 pub fn slashed(path: &Path) -> String {
     if path.has_root() {
-        return path.to_string_lossy().into_owned();
+        return text(path.as_os_str());
     }
-    let parts: Vec<_> = path.components().map(|c| c.as_os_str().to_string_lossy()).collect();
+    let parts: Vec<_> = path.components().map(|c| text(c.as_os_str())).collect();
     parts.join("/")
+}
+
+fn text(name: &OsStr) -> String {
+    let mut text = String::new();
+    for chunk in name.as_encoded_bytes().utf8_chunks() {
+        text += chunk.valid();
+        chunk.invalid().iter().for_each(|byte| text += &format!("%{byte:02X}"));
+    }
+    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn names_that_are_no_text_become_some() {
+        use std::os::unix::ffi::OsStrExt;
+        let slashed_bytes = |bytes: &[u8]| slashed(Path::new(OsStr::from_bytes(bytes)));
+        assert_eq!(slashed_bytes(b"caf\xe9/\xff.glb"), "caf%E9/%FF.glb");
+        assert_eq!(slashed_bytes("стул/100%.glb".as_bytes()), "стул/100%.glb");
+    }
 
     #[test]
     fn pictures_keep_the_assets_ending() {

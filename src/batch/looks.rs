@@ -5,13 +5,14 @@
 use super::budget::Budget;
 use super::environment::LoadedEnvironment;
 use super::failure::TOO_LATE;
+use super::read::{import, note};
 use super::stages::StageClock;
 use super::{Desk, Job, Outcome, Status, digest, run_asset_with, views};
 use crate::integrate::View;
 use crate::settings::{EnvironmentSettings, Exposure, FixedView, LookSettings, Settings, ViewSettings};
 use glam::{DAffine3, DVec3};
 use kiln_formats::scene::{Instance, Material, Mesh};
-use kiln_formats::{Contents, Control, ErrorCode, ImportError, ImportOptions, Scene, Warning, import};
+use kiln_formats::{Contents, Control, ErrorCode, ImportError, Scene, Touched, Warning};
 use std::sync::Arc;
 
 /// Points of all frames of an animation that the framing looks at; frames with more are taken by their boxes.
@@ -20,9 +21,10 @@ const POINT_BUDGET: usize = 8_000_000;
 /// As [`run_asset_with`], for a job whose looks are many.
 pub(super) fn run(job: &Job, control: &Control, desk: &Desk) -> Outcome {
     let clock = StageClock::begin();
-    let mut outcome = Outcome::skipped(&job.name, job.settings.render.seed);
+    let mut outcome = Outcome::of(job);
+    let mut touched = Touched::default();
     let budget = Budget::begin(&job.settings.goal, control, 0);
-    match plan(job, &budget.share(control, 1)) {
+    match plan(job, &budget.share(control, 1), &mut touched) {
         Ok(jobs) => {
             // An environment file is read once.
             let environment = desk.environment.clone().or_else(|| match &job.settings.environment {
@@ -49,6 +51,7 @@ pub(super) fn run(job: &Job, control: &Control, desk: &Desk) -> Outcome {
             outcome.settings = hash.ok();
         }
         Err(error) => {
+            note(&mut outcome, job, &touched);
             let stopped = error.code == ErrorCode::Stopped;
             let late = stopped && !control.was_asked_to_stop();
             outcome.status = if stopped && !late { Status::Skipped } else { Status::Failed };
@@ -62,9 +65,9 @@ pub(super) fn run(job: &Job, control: &Control, desk: &Desk) -> Outcome {
 }
 
 /// The looks of an asset as jobs of one look each.
-fn plan(job: &Job, control: &Control) -> Result<Vec<Job>, ImportError> {
+fn plan(job: &Job, control: &Control, touched: &mut Touched) -> Result<Vec<Job>, ImportError> {
     let settings = &job.settings;
-    let contents = read(job, settings.look.show.time, control)?.1;
+    let contents = read(job, settings.look.show.time, control, touched)?.1;
     let plain = LookSettings { show: settings.look.show.clone(), ray: settings.look.ray, ..LookSettings::default() };
     let single = |settings: Settings, suffix: Option<&str>| {
         let mut job = Job { settings, ..job.clone() };
@@ -95,7 +98,7 @@ fn plan(job: &Job, control: &Control) -> Result<Vec<Job>, ImportError> {
     let moment = |k: u32| begin + seconds * f64::from(k) / f64::from(frames);
     let mut hull = Hull::new(POINT_BUDGET / frames.max(1) as usize);
     for k in 0..frames {
-        hull.add(&read(job, Some(moment(k)), control)?.0);
+        hull.add(&read(job, Some(moment(k)), control, touched)?.0);
     }
     let cameras = views::plan(&hull.scene, &settings.views, false)
         .map_err(|message| ImportError::new(ErrorCode::Invalid, message))?;
@@ -108,12 +111,15 @@ fn plan(job: &Job, control: &Control) -> Result<Vec<Job>, ImportError> {
     Ok(cameras.into_iter().enumerate().map(frame).collect())
 }
 
-fn read(job: &Job, time: Option<f64>, control: &Control) -> Result<(Scene, Contents), ImportError> {
+fn read(
+    job: &Job,
+    time: Option<f64>,
+    control: &Control,
+    touched: &mut Touched,
+) -> Result<(Scene, Contents), ImportError> {
     let mut show = job.settings.look.show.clone();
     show.time = time.or(job.settings.look.play.then_some(0.0));
-    let options =
-        ImportOptions { root: job.root.clone(), show, ray: job.settings.look.ray, ..ImportOptions::default() };
-    let imported = import(&job.input, &options, control)?;
+    let imported = import(job, show, control, touched)?;
     Ok((imported.scene, imported.contents))
 }
 
@@ -203,6 +209,7 @@ impl Hull {
 fn join(all: &mut Outcome, one: Outcome, index: u32) {
     if index == 0 {
         (all.content, all.light, all.scene) = (one.content, one.light, one.scene);
+        (all.files, all.missing) = (one.files, one.missing);
     }
     let frames = all.outputs.iter().map(|o| o.view + 1).max().unwrap_or(0);
     all.outputs.extend(one.outputs.into_iter().map(|o| super::OutputRecord { view: frames + o.view, ..o }));

@@ -1,5 +1,6 @@
+use super::Job;
 use crate::integrate::{Cause, Dropped, DroppedSample, RayCounts};
-use crate::settings::PictureFormat;
+use crate::settings::{PathText, PictureFormat};
 use kiln_formats::Warning;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -48,6 +49,9 @@ pub struct OutputRecord {
     pub path: String,
     /// Its format.
     pub format: PictureFormat,
+    /// Size of the file in bytes.
+    #[serde(default)]
+    pub bytes: u64,
     /// Which of the asset's views, from 0.
     pub view: u32,
     /// Width in pixels.
@@ -104,6 +108,19 @@ pub struct StageSeconds {
     pub total: f64,
 }
 
+/// The bounds that an asset was held to and failed at, where they were asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LimitRecord {
+    /// Bytes of memory.
+    pub memory: Option<u64>,
+    /// Wall seconds until it was killed.
+    pub timeout: Option<f64>,
+    /// Triangles drawn.
+    pub max_triangles: u64,
+    /// Texels of all images together.
+    pub max_texels: u64,
+}
+
 /// Rays traced.
 pub type Rays = RayCounts;
 
@@ -126,8 +143,20 @@ pub struct Outcome {
     pub input: String,
     /// `blake3:` and the hash of all files read; `None` when the asset could not be read.
     pub content: Option<String>,
+    /// The files behind `content`, the asset first, the others as seen from its folder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<PathText>,
+    /// Files that it refers to and that are not there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub missing: Vec<PathText>,
     /// `blake3:` and the hash of the settings that pixels depend on.
     pub settings: Option<String>,
+    /// Wall seconds that it was allowed ([`crate::settings::Goal::time`]).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// The limits, where it failed at one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<LimitRecord>,
     /// Selects the random numbers.
     pub seed: u64,
     /// How it fared.
@@ -158,8 +187,8 @@ pub struct Outcome {
     /// The first of them that are in pictures (not in what measures the exposure), for `--replay`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub nonfinite_first: Vec<DroppedRecord>,
-    /// Most memory that the process has held so far (other assets of the batch included); `None` where the system
-    /// does not tell.
+    /// Most memory that the process has held while it was at this asset (since it began, without worker processes);
+    /// `None` where the system does not tell.
     pub peak_bytes: Option<u64>,
 }
 
@@ -170,7 +199,11 @@ impl Outcome {
             kiln: env!("CARGO_PKG_VERSION").into(),
             input: name.into(),
             content: None,
+            files: Vec::new(),
+            missing: Vec::new(),
             settings: None,
+            time: None,
+            limits: None,
             seed,
             status: Status::Skipped,
             error_code: None,
@@ -187,6 +220,11 @@ impl Outcome {
             nonfinite_first: Vec::new(),
             peak_bytes: None,
         }
+    }
+
+    /// Of a job that is about to begin.
+    pub fn of(job: &Job) -> Self {
+        Self { time: job.settings.goal.time, ..Self::skipped(&job.name, job.settings.render.seed) }
     }
 
     /// Counts dropped samples, of this view's picture where they are in one.

@@ -48,7 +48,7 @@ impl Shot<'_> {
             }
         };
         let path = job.output.picture(settings.views.turntable.map(|_| self.view), format);
-        Ok(Encoded { record: self.record(job, format, job::slashed(&path)), path, bytes })
+        Ok(Encoded { record: self.record(job, format, job::slashed(&path), bytes.len() as u64), path, bytes })
     }
 
     fn metadata(&self, job: &Job, outcome: &Outcome) -> Metadata {
@@ -69,12 +69,13 @@ impl Shot<'_> {
         }
     }
 
-    fn record(&self, job: &Job, format: PictureFormat, path: String) -> OutputRecord {
+    fn record(&self, job: &Job, format: PictureFormat, path: String, bytes: u64) -> OutputRecord {
         let (width, height, spp) = (self.film.width, self.film.height, self.film.spp);
         let bound = self.accuracy.map(|a| a.error_bound);
         OutputRecord {
             path,
             format,
+            bytes,
             view: self.view,
             width,
             height,

@@ -1,18 +1,23 @@
-use super::console::Console;
+mod pass;
+mod watch;
+
+use super::console::{Console, print_line};
 use super::exit::{Exit, Fatal};
 use super::folders::{Folders, job};
-use super::gallery;
 use super::interrupt::Interrupt;
-use super::options::SettingOptions;
-use super::progress::Progress;
+use super::isolation::IsolationOptions;
+use super::options::{SettingOptions, positive};
 use super::summary;
-use clap::{Args, value_parser};
+use clap::Args;
 use kiln::Control;
-use kiln::batch::{Assignment, FileSink, Job, LoadedEnvironment, Manifest, run};
+use kiln::batch::{
+    Discovered, Found, Job, Ledger, LoadedEnvironment, MANIFEST, OutputLock, Policy, Verdict, settings_digest,
+};
 use kiln::settings::{EnvironmentSettings, PictureFormat, Settings};
+use pass::Pass;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::Duration;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -21,10 +26,14 @@ Examples:
   kiln batch assets --out turns --turntable 24 --background '#ffffff'
   kiln batch assets --out pictures --include '*.glb' --exclude 'old/*' --jobs 4
   kiln batch assets --out pictures --against earlier/pictures
+  kiln batch assets --out pictures --dry-run       what is not up to date, and why
+  kiln batch assets --out pictures --watch         render what changes until Ctrl-C
+  kiln batch assets --out pictures --memory 4G --timeout 600 --jobs 8
   kiln batch assets --out pictures --json | jq 'select(.status == \"failed\")'
 
 A picture is called like its asset: chairs/oak.glb gives pictures/chairs/oak.glb.png and .exr. With several folders,
-each folder's name comes first. manifest.jsonl holds one line per asset; index.html shows them all.";
+each folder's name comes first. manifest.jsonl holds one line per asset; index.html shows them all. What is up to date is not done again: interrupted or
+killed, the same command goes on. Ctrl-C ends the pictures under way with the samples so far; a second one ends at once.";
 
 /// `kiln batch`.
 #[derive(Args)]
@@ -38,12 +47,23 @@ pub struct BatchCommand {
     /// Files for each picture
     #[arg(long, value_enum, value_delimiter = ',', default_value = "png,exr")]
     format: Vec<PictureFormat>,
-    /// Assets worked on at a time: bounds the memory [default: the number of threads]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=4096))]
-    jobs: Option<u16>,
     /// Output folder of an earlier run: the gallery compares with it
     #[arg(long, value_name = "DIR")]
     against: Option<PathBuf>,
+    /// Do everything again, up to date or not
+    #[arg(long)]
+    force: bool,
+    /// Do again what failed, or was cut short by the time
+    #[arg(long)]
+    retry_failed: bool,
+    /// Tell what would be done and why, and do nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Go on: render what changes, looking every so many seconds [2 unless given]
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "2", value_parser = positive, conflicts_with = "dry_run")]
+    watch: Option<f64>,
+    #[command(flatten)]
+    isolation: IsolationOptions,
     #[command(flatten)]
     options: SettingOptions,
 }
@@ -54,41 +74,80 @@ impl BatchCommand {
     /// # Errors
     /// When nothing can be begun.
     pub fn run(self) -> Result<Exit, Fatal> {
-        let begin = Instant::now();
         let settings = self.options.settings(self.format.clone())?;
-        let console = Console::new(self.options.quiet, self.options.verbose);
         let discovered = self.folders.search(&self.out)?;
         let environment = environment(&settings)?;
-        let threads = self.options.start_threads()?;
-        let workers = self.jobs.map_or(threads, usize::from);
-        let jobs: Vec<Job> =
-            discovered.found.iter().map(|f| job(f, self.options.root.as_deref(), &self.out, &settings)).collect();
-        let unwritable =
-            |e: std::io::Error| Fatal::failed(format!("{}: cannot be written to: {e}", self.out.display()));
-        let manifest = Manifest::begin(&self.out).map_err(unwritable)?;
+        let digest = settings_digest(&settings, environment.as_deref().map(LoadedEnvironment::digest))
+            .map_err(|e| Fatal::usage(format!("the settings: {e}")))?;
+        let policy = Policy {
+            settings: digest,
+            force: self.force,
+            retry_failed: self.retry_failed,
+            memory: self.isolation.memory,
+            timeout: self.isolation.timeout,
+        };
+        if self.dry_run {
+            return self.foretell(&discovered, &settings, &policy);
+        }
+        let lock = OutputLock::take(&self.out).map_err(|e| self.unwritable(&e))?;
+        if let Some(warning) = &lock.warning {
+            eprintln!("warning: {}: {warning}", self.out.display());
+        }
+        if self.isolation.in_process {
+            self.options.start_threads()?;
+        }
         let control = Control::default();
-        let interrupt = Interrupt::watch(&control);
-        let progress = Progress::new(console, self.options.json, jobs.len(), workers);
-        let (outcomes, recorded) = run(&Assignment {
-            jobs: &jobs,
-            workers,
-            sink: &FileSink { folder: self.out.clone() },
-            environment,
-            manifest: Some(&manifest),
-            control: &control,
-            observer: &progress,
-        });
-        progress.end();
-        let manifest = self.out.join("manifest.jsonl").display().to_string();
-        if !console.quiet {
-            eprintln!("{}", summary::text(&console, &outcomes, begin.elapsed().as_secs_f64(), &manifest));
+        Interrupt::watch(&control);
+        let console = Console::new(self.options.quiet, self.options.verbose);
+        let pass = Pass { command: &self, settings: &settings, environment, lock: &lock, control: &control, console };
+        let mut exit = pass.run(&discovered, policy.clone(), false)?;
+        let Some(seconds) = self.watch else { return Ok(exit) };
+        let policy = Policy { force: false, retry_failed: false, ..policy };
+        let manifest = self.out.join(MANIFEST);
+        let mut before = watch::look(&discovered, &manifest);
+        let interval = Duration::from_secs_f64(seconds);
+        loop {
+            let look = || watch::look(&self.folders.look(&self.out), &manifest);
+            if !watch::wait(interval, &control, &before, look) {
+                return Ok(exit);
+            }
+            let discovered = self.folders.look(&self.out);
+            before = watch::look(&discovered, &manifest);
+            exit = pass.run(&discovered, policy.clone(), true)?;
+            // What an asset refers to is known when it has been read.
+            for (path, seen) in watch::look(&discovered, &manifest) {
+                before.entry(path).or_insert(seen);
+            }
         }
-        if let Err(error) = &recorded {
-            eprintln!("error: {manifest}: cannot be written: {error}");
+    }
+
+    /// Tells what would be done.
+    fn foretell(&self, discovered: &Discovered, settings: &Settings, policy: &Policy) -> Result<Exit, Fatal> {
+        let path = self.out.join(MANIFEST);
+        let ledger =
+            Ledger::read(&path).map_err(|e| Fatal::failed(format!("{}: cannot be read: {e}", path.display())))?;
+        let mut due = 0;
+        for found in &discovered.found {
+            match ledger.verdict(&self.job(found, settings), policy, &Control::default()) {
+                Verdict::Due(reason) => {
+                    due += 1;
+                    print_line(&format!("render      {} ({})", found.name(), reason.words()));
+                }
+                Verdict::Current(outcome) => {
+                    print_line(&format!("up to date  {} ({})", found.name(), outcome.status.word()))
+                }
+            }
         }
-        let shown = gallery::write(&self.out, self.against.as_deref(), &console);
-        let whole = discovered.unreadable.is_empty() && recorded.is_ok() && shown;
-        Ok(Exit::of(&outcomes, whole, interrupt.happened()))
+        eprintln!("{} to render, {} up to date", summary::plural(due, "asset"), discovered.found.len() - due);
+        Ok(Exit::Done)
+    }
+
+    fn job(&self, found: &Found, settings: &Settings) -> Job {
+        job(found, self.options.root.as_deref(), &self.out, self.isolation.limits(), settings)
+    }
+
+    fn unwritable(&self, error: &std::io::Error) -> Fatal {
+        Fatal::failed(format!("{}: cannot be written to: {error}", self.out.display()))
     }
 }
 

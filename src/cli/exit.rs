@@ -1,4 +1,4 @@
-use kiln::batch::{Outcome, Status};
+use kiln::batch::{Status, Tally};
 use std::process::ExitCode;
 
 /// How the program ends.
@@ -23,15 +23,14 @@ impl From<Exit> for ExitCode {
 }
 
 impl Exit {
-    /// For these outcomes; `whole` tells whether everything that was asked for is among them.
-    pub fn of(outcomes: &[Outcome], whole: bool, interrupted: bool) -> Self {
-        let done = outcomes.iter().filter(|o| o.status.is_done()).count();
-        let some = outcomes.iter().any(|o| o.status == Status::Partial);
+    /// For what became of assets; `whole` tells whether everything that was asked for is among them.
+    pub fn of(tally: &Tally, whole: bool, interrupted: bool) -> Self {
+        let done = tally.done();
         if interrupted {
             Self::Interrupted
-        } else if done == 0 && !some {
+        } else if done == 0 && tally.count(Status::Partial) == 0 {
             Self::Failed
-        } else if done == outcomes.len() && whole {
+        } else if done == tally.all() && whole {
             Self::Done
         } else {
             Self::Partial
@@ -67,9 +66,11 @@ impl Fatal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kiln::batch::Outcome;
 
-    fn outcomes(statuses: &[Status]) -> Vec<Outcome> {
-        statuses.iter().map(|s| Outcome { status: *s, ..Outcome::skipped("a.glb", 0) }).collect()
+    fn outcomes(statuses: &[Status]) -> Tally {
+        let outcomes = statuses.iter().map(|s| Outcome { status: *s, ..Outcome::skipped("a.glb", 0) });
+        Tally::of(&outcomes.collect::<Vec<_>>())
     }
 
     #[test]

@@ -2,6 +2,7 @@ use super::exit::Fatal;
 use clap::Args;
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use kiln::batch::{Discovered, Discovery, Found, Job, Output, Unreadable, discover};
+use kiln::formats::Limits;
 use kiln::settings::Settings;
 use std::path::{Path, PathBuf};
 
@@ -28,12 +29,7 @@ impl Folders {
         if let Some(file) = self.folders.iter().find(|f| f.is_file()) {
             return Err(Fatal::usage(format!("{} is not a folder: kiln render takes one asset", file.display())));
         }
-        let discovered = discover(&Discovery {
-            folders: self.folders.clone(),
-            include: globs(&self.include)?,
-            exclude: globs(&self.exclude)?,
-            output: out.to_path_buf(),
-        });
+        let discovered = discover(&self.discovery(out)?);
         for Unreadable { path, message } in &discovered.unreadable {
             eprintln!("warning: {} cannot be searched: {message}", path.display());
         }
@@ -47,15 +43,30 @@ impl Folders {
         }
         Ok(discovered)
     }
+
+    /// As [`Self::search`], with nothing told.
+    pub fn look(&self, out: &Path) -> Discovered {
+        self.discovery(out).map_or_else(|_| Discovered::default(), |discovery| discover(&discovery))
+    }
+
+    fn discovery(&self, out: &Path) -> Result<Discovery, Fatal> {
+        Ok(Discovery {
+            folders: self.folders.clone(),
+            include: globs(&self.include)?,
+            exclude: globs(&self.exclude)?,
+            output: out.to_path_buf(),
+        })
+    }
 }
 
 /// The job of an asset that was found.
-pub fn job(found: &Found, root: Option<&Path>, out: &Path, settings: &Settings) -> Job {
+pub fn job(found: &Found, root: Option<&Path>, out: &Path, limits: Limits, settings: &Settings) -> Job {
     Job {
         input: found.path.clone(),
         name: found.name(),
         root: Some(root.unwrap_or(&found.folder).to_path_buf()),
-        output: Output { folder: out.to_path_buf(), stem: found.relative.clone(), ending: None },
+        limits,
+        output: Output { folder: out.to_path_buf(), stem: found.name().into(), ending: None },
         settings: settings.clone(),
     }
 }

@@ -9,6 +9,7 @@ mod folders;
 mod gallery;
 mod inspect;
 mod interrupt;
+mod isolation;
 mod looks;
 mod options;
 mod plan;
@@ -18,6 +19,7 @@ mod render;
 mod replay;
 mod study;
 mod summary;
+mod worker;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -63,6 +65,9 @@ enum Command {
     Compare(compare::CompareCommand),
     /// Render scenes whose light is known and compare
     Check(check::CheckCommand),
+    /// Do jobs from standard input (what batch starts for itself)
+    #[command(hide = true)]
+    Worker(worker::WorkerCommand),
 }
 
 /// Parses the arguments, does what they ask for and gives the exit code.
@@ -83,6 +88,7 @@ pub fn main() -> ExitCode {
         Command::Gallery(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Check(command) => command.run(),
+        Command::Worker(command) => command.run(),
     };
     done.unwrap_or_else(|error| error.report()).into()
 }

@@ -118,7 +118,7 @@ pub struct SettingOptions {
     pub json: bool,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
     number.ok_or_else(|| format!("'{text}' is not a number greater than 0"))
 }
@@ -199,6 +199,12 @@ impl SettingOptions {
     /// Whether the pictures are turntables.
     pub fn is_turntable(&self) -> bool {
         self.turntable.is_some()
+    }
+
+    /// Threads that render, in all processes together.
+    pub fn cores(&self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.threads.map_or_else(cores, usize::from)
     }
 
     /// Makes the rayon pool that all assets share and gives its number of threads.

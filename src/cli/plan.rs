@@ -8,6 +8,7 @@ use super::summary::plural;
 use clap::{Args, value_parser};
 use kiln::Control;
 use kiln::batch::Job;
+use kiln::formats::Limits;
 use kiln::plan::{Forecast, Foretold, Interval, probe};
 use kiln::settings::PictureFormat;
 use serde_json::json;
@@ -57,10 +58,11 @@ impl PlanCommand {
         let environment = environment(&settings)?;
         let threads = self.options.start_threads()?;
         let root = self.options.root.as_deref();
-        let jobs: Vec<Job> = discovered.found.iter().map(|f| job(f, root, &nowhere, &settings)).collect();
+        let jobs: Vec<Job> =
+            discovered.found.iter().map(|f| job(f, root, &nowhere, Limits::default(), &settings)).collect();
         let control = Control::default();
         let interrupt = Interrupt::watch(&control);
-        let base = kiln::plan::held_bytes().unwrap_or(0);
+        let base = kiln::batch::workers::held_bytes().unwrap_or(0);
         let mut foretold: Vec<Foretold> = Vec::new();
         for job in &jobs {
             let one = probe(job, &control, environment.clone());

@@ -29,7 +29,14 @@ impl Progress {
         }
     }
 
+    fn digits(&self) -> usize {
+        self.total.to_string().len()
+    }
+
     fn tell(&self, line: &str) {
+        // Names of files may hold anything, commands to the terminal too; our own commands are colours.
+        let is_harmful = |c: char| c.is_control() && c != '\n' && !(self.console.color && c == '\x1b');
+        let line = &line.replace(is_harmful, "\u{fffd}");
         match &self.bars {
             Some(bars) => bars.print(line),
             None => eprintln!("{line}"),
@@ -98,6 +105,21 @@ impl Observer for Progress {
         }
     }
 
+    fn kept(&self, outcome: &Outcome) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Some(bars) = &self.bars {
+            bars.kept();
+        }
+        if self.json
+            && let Ok(line) = outcome.to_line()
+        {
+            print_line(&line);
+        }
+        if self.console.verbose {
+            self.tell(&format!("[{done:width$}/{}] up to date {}", self.total, outcome.input, width = self.digits()));
+        }
+    }
+
     fn finished(&self, worker: usize, outcome: &Outcome) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         if let Some(bars) = &self.bars {
@@ -114,8 +136,7 @@ impl Observer for Progress {
         if begun && (!self.console.quiet || failed) {
             let line = line(&self.console, outcome);
             if self.total > 1 {
-                let width = self.total.to_string().len();
-                self.tell(&format!("[{done:width$}/{}] {line}", self.total));
+                self.tell(&format!("[{done:width$}/{}] {line}", self.total, width = self.digits()));
             } else {
                 self.tell(&format!("{line}{}", pictures(outcome)));
             }

@@ -7,7 +7,8 @@ use super::progress::Progress;
 use super::replay::{self, PathAddress};
 use clap::Args;
 use kiln::Control;
-use kiln::batch::{Assignment, FileSink, Job, MemorySink, Output, run};
+use kiln::batch::{Assignment, FileSink, Job, MemorySink, Output, Tally, run};
+use kiln::formats::Limits;
 use kiln::settings::PictureFormat;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -57,6 +58,7 @@ impl RenderCommand {
             name: self.asset.display().to_string(),
             input: self.asset.clone(),
             root: self.options.root.clone(),
+            limits: Limits::default(),
             output,
             settings,
         };
@@ -70,12 +72,11 @@ impl RenderCommand {
         let progress = Progress::new(console, self.options.json, 1, 1);
         let memory = MemorySink::default();
         let files = FileSink { folder: job.output.folder.clone() };
-        let (outcomes, _) = run(&Assignment {
+        let outcomes = run(&Assignment {
             jobs: std::slice::from_ref(&job),
             workers: 1,
             sink: if to_stdout { &memory } else { &files },
             environment,
-            manifest: None,
             control: &control,
             observer: &progress,
         });
@@ -85,7 +86,7 @@ impl RenderCommand {
             let written = stdout.write_all(&bytes).and_then(|()| stdout.flush());
             written.map_err(|e| Fatal::failed(format!("stdout cannot be written to: {e}")))?;
         }
-        Ok(Exit::of(&outcomes, true, interrupt.happened()))
+        Ok(Exit::of(&Tally::of(&outcomes), true, interrupt.happened()))
     }
 
     /// Where the picture goes, and the formats that this means.

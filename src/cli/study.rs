@@ -6,6 +6,7 @@ use clap::{Args, value_parser};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use kiln::Control;
 use kiln::batch::{Job, Output, ViewFile};
+use kiln::formats::Limits;
 use kiln::lab::{Cell, Observer, Progress, Store, Study, WAYS, publish, run, ways};
 use kiln::settings::{CameraChoice, EnvironmentSettings, Exposure, Settings, ToneMap, ViewSettings};
 use std::fmt::Write;
@@ -127,6 +128,7 @@ impl StudyCommand {
             input: asset.clone(),
             name: asset.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             root: self.root.clone(),
+            limits: Limits::default(),
             output: output.clone(),
             settings: settings.clone(),
         };

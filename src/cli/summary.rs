@@ -1,45 +1,36 @@
 use super::console::{Color, Console};
-use kiln::batch::{Outcome, Status};
-
-/// How many assets the summary names of those that took longest.
-const SLOWEST: usize = 3;
-/// How many failures the summary tells before it points to the manifest.
-const FAILURES: usize = 20;
+use kiln::batch::{Status, Tally};
 
 /// What became of a batch, for people.
-pub fn text(console: &Console, outcomes: &[Outcome], seconds: f64, manifest: &str) -> String {
-    let count = |status| outcomes.iter().filter(|o| o.status == status).count();
+pub fn text(console: &Console, tally: &Tally, seconds: f64, manifest: &str) -> String {
     let statuses = [Status::Ok, Status::Warned, Status::Partial, Status::Failed, Status::Skipped];
     let counts: Vec<String> = statuses
         .iter()
-        .filter(|s| count(**s) > 0)
+        .filter(|s| tally.count(**s) > 0)
         .map(|s| match s {
-            Status::Ok => console.paint(&format!("{} ok", count(*s)), Color::Green),
-            Status::Failed => console.paint(&format!("{} failed", count(*s)), Color::Red),
-            _ => console.paint(&format!("{} {}", count(*s), s.word()), Color::Yellow),
+            Status::Ok => console.paint(&format!("{} ok", tally.count(*s)), Color::Green),
+            Status::Failed => console.paint(&format!("{} failed", tally.count(*s)), Color::Red),
+            _ => console.paint(&format!("{} {}", tally.count(*s), s.word()), Color::Yellow),
         })
         .collect();
-    let pictures: usize = outcomes.iter().map(|o| o.outputs.len()).sum();
+    let kept = if tally.kept > 0 { format!(" ({} up to date)", tally.kept) } else { String::new() };
     let mut lines = vec![format!(
-        "{} in {seconds:.1} s: {}; {}",
-        plural(outcomes.len(), "asset"),
+        "{} in {seconds:.1} s: {}{kept}; {}",
+        plural(tally.all(), "asset"),
         counts.join(", "),
-        plural(pictures, "file")
+        plural(tally.files, "file")
     )];
-    let mut slowest: Vec<&Outcome> = outcomes.iter().filter(|o| o.status.is_done()).collect();
-    slowest.sort_by(|a, b| b.seconds.total.total_cmp(&a.seconds.total));
-    if slowest.len() > SLOWEST {
+    if tally.slowest.len() > 2 && tally.all() > 3 {
         let slowest: Vec<String> =
-            slowest.iter().take(SLOWEST).map(|o| format!("{} {:.2} s", o.input, o.seconds.total)).collect();
+            tally.slowest.iter().map(|(name, seconds)| format!("{name} {seconds:.2} s")).collect();
         lines.push(format!("slowest: {}", slowest.join(", ")));
     }
-    let failed: Vec<&Outcome> = outcomes.iter().filter(|o| o.status == Status::Failed).collect();
-    for outcome in failed.iter().take(FAILURES) {
-        let message = outcome.error_message.as_deref().unwrap_or_default();
-        lines.push(format!("{} {}: {message}", console.paint("failed:", Color::Red), outcome.input));
+    for (name, message) in &tally.failures {
+        lines.push(format!("{} {name}: {message}", console.paint("failed:", Color::Red)));
     }
-    if failed.len() > FAILURES {
-        lines.push(format!("… and {} more", failed.len() - FAILURES));
+    let failed = tally.count(Status::Failed);
+    if failed > tally.failures.len() {
+        lines.push(format!("… and {} more", failed - tally.failures.len()));
     }
     lines.push(format!("manifest: {manifest}"));
     lines.join("\n")

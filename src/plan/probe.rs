@@ -1,4 +1,4 @@
-use super::memory;
+use crate::batch::workers::{forget_peak, held_bytes};
 use crate::batch::{Desk, Job, LoadedEnvironment, MemorySink, Outcome, StageSeconds, run_asset_with};
 use crate::settings::Settings;
 use kiln_formats::Control;
@@ -34,8 +34,8 @@ pub struct Foretold {
 /// error that is asked for. Nothing is written. Probes are made one at a time: what they hold is what the process holds.
 pub fn probe(job: &Job, control: &Control, environment: Option<Arc<LoadedEnvironment>>) -> Foretold {
     let small = Job { settings: small(&job.settings), ..job.clone() };
-    let before = memory::held();
-    memory::forget_peak();
+    let before = held_bytes();
+    forget_peak();
     let sink = MemorySink::default();
     let outcome = run_asset_with(&small, control, &Desk { sink: &sink, on_stage: &|_| (), environment });
     drop(sink);

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentFile {
     /// Radiance HDR, OpenEXR, or any picture that Kiln reads (8-bit ones are taken as sRGB).
+    #[serde(with = "super::path_text")]
     pub path: PathBuf,
     /// Turns the environment about +Y, degrees.
     pub rotation_y_deg: f64,

@@ -1,5 +1,6 @@
 //! Files that are whole or absent.
 
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ impl Drop for Temporary {
 /// # Errors
 /// Those of the file system; then the temporary file is gone and `path` is as it was.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_then(path, bytes, |_| Ok(()))
+    replace(path, |file| file.write_all(bytes))
 }
 
 /// As [`write()`], with the bytes on disk before the file takes its name.
@@ -37,10 +38,26 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// As [`write()`].
 pub fn write_durably(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_then(path, bytes, File::sync_data)
+    write_durably_with(path, |file| file.write_all(bytes))
 }
 
-fn write_then(path: &Path, bytes: &[u8], then: impl Fn(&File) -> io::Result<()>) -> io::Result<()> {
+/// As [`write_durably`], with what `fill` writes.
+///
+/// # Errors
+/// As [`write()`], and those of `fill`.
+pub fn write_durably_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    replace(path, |file| {
+        fill(file)?;
+        file.sync_data()
+    })
+}
+
+/// Whether a file name is that of a temporary file of ours.
+pub fn is_temporary(name: &OsStr) -> bool {
+    name.to_str().is_some_and(|name| name.starts_with(".kiln-") && name.ends_with(".tmp"))
+}
+
+fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     if path.file_name().is_none() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "is not a file name"));
@@ -53,8 +70,7 @@ fn write_then(path: &Path, bytes: &[u8], then: impl Fn(&File) -> io::Result<()>)
     let temporary_name = format!(".kiln-{}-{unique}.tmp", std::process::id());
     let mut temporary = Temporary { path: path.with_file_name(temporary_name), committed: false };
     let mut file = File::create(&temporary.path)?;
-    file.write_all(bytes)?;
-    then(&file)?;
+    fill(&mut file)?;
     drop(file);
     fs::rename(&temporary.path, path)?;
     temporary.committed = true;

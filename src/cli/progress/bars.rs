@@ -114,6 +114,11 @@ impl Bars {
         self.shared.total.inc(1);
     }
 
+    /// An asset was up to date.
+    pub fn kept(&self) {
+        self.shared.total.inc(1);
+    }
+
     /// Takes the bars off the screen.
     pub fn end(mut self) {
         self.shared.over.store(true, Ordering::Relaxed);
