@@ -100,7 +100,7 @@ fn a_full_disk_is_an_outcome() {
         if *left < 0 { Err(io::Error::from(io::ErrorKind::StorageFull)) } else { Ok(()) }
     };
     let outcome = run(&job(folder.path()), &Control::default(), &Hook(full, MemorySink::default()));
-    assert_eq!((outcome.status, outcome.error_code.as_deref()), (Status::Failed, Some("unwritable")));
+    assert_eq!((outcome.status, outcome.error_code.as_deref()), (Status::Failed, Some("disk-full")));
     assert_eq!(outcome.outputs.len(), 3);
     assert!(outcome.error_message.is_some_and(|m| m.contains("a.obj.001.exr")));
 }
