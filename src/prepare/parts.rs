@@ -10,8 +10,11 @@ use kiln_formats::scene::{Material, Mesh, MetalRough, ScalarInput, Surface};
 pub(crate) enum Way {
     /// Flat triangles of one diffuse colour: all in lanes.
     Diffuse(Vec3),
-    /// The vertex one by one; it is diffuse, or rough and reflecting, nearly always: the rest in lanes.
-    Rough,
+    /// The geometry in lanes; textures and lobes, which nearly always are diffuse, or rough and reflecting, one by one; the rest
+    /// in lanes.
+    Smooth,
+    /// The same, with a normal map: the whole vertex one by one.
+    Mapped,
     /// Everything one by one.
     Any,
 }
@@ -47,7 +50,8 @@ fn way(mesh: &Mesh, material: &Material) -> Way {
         Some(albedo) if material.normal_map.is_none() && mesh.normals.is_empty() && mesh.colors.is_empty() => {
             Way::Diffuse(albedo)
         }
-        _ => Way::Rough,
+        _ if material.normal_map.is_none() => Way::Smooth,
+        _ => Way::Mapped,
     }
 }
 

@@ -102,7 +102,7 @@ impl KdTree {
     /// # Panics
     /// When slices are not as long as they have to be; likewise for the other calls on batches.
     pub fn closest_batch(&self, rays: &RayBatch, coherence: Coherence, hits: &mut HitBatch) {
-        self.closest_batch_where(rays, coherence, hits, |_, _| true);
+        self.closest_of::<true>(rays, coherence, hits, |_, _| true);
     }
 
     /// [`KdTree::closest_batch`] among the hits that `stops` lets through. It is asked about a ray by its number in the
@@ -114,13 +114,24 @@ impl KdTree {
         hits: &mut HitBatch,
         stops: impl FnMut(usize, &Hit) -> bool,
     ) {
+        self.closest_of::<false>(rays, coherence, hits, stops);
+    }
+
+    fn closest_of<const ALL: bool>(
+        &self,
+        rays: &RayBatch,
+        coherence: Coherence,
+        hits: &mut HitBatch,
+        stops: impl FnMut(usize, &Hit) -> bool,
+    ) {
         assert_eq!([hits.t.len(), hits.b1.len(), hits.b2.len(), hits.triangle.len()], [rays.len(); 4]);
-        self.trace::<false>(rays, coherence, stops, |i, hit| hits.set(i, rays.t_max[i], hit));
+        self.trace::<false, ALL>(rays, coherence, stops, |i, hit| hits.set(i, rays.t_max[i], hit));
     }
 
     /// [`KdTree::occluded`] for each ray of a batch.
     pub fn occluded_batch(&self, rays: &RayBatch, coherence: Coherence, blocked: &mut [bool]) {
-        self.occluded_batch_where(rays, coherence, blocked, |_, _| true);
+        assert_eq!(rays.len(), blocked.len());
+        self.trace::<true, true>(rays, coherence, |_, _| true, |i, hit| blocked[i] = hit.is_some());
     }
 
     /// [`KdTree::occluded_batch`] by the hits that `stops` lets through; see [`KdTree::closest_batch_where`].
@@ -132,11 +143,11 @@ impl KdTree {
         stops: impl FnMut(usize, &Hit) -> bool,
     ) {
         assert_eq!(rays.len(), blocked.len());
-        self.trace::<true>(rays, coherence, stops, |i, hit| blocked[i] = hit.is_some());
+        self.trace::<true, false>(rays, coherence, stops, |i, hit| blocked[i] = hit.is_some());
     }
 
-    /// Traces a batch in the form that fits the tree and the rays.
-    fn trace<const ANY: bool>(
+    /// Traces a batch in the form that fits the tree and the rays; with `ALL`, every hit counts.
+    fn trace<const ANY: bool, const ALL: bool>(
         &self,
         rays: &RayBatch,
         coherence: Coherence,
@@ -149,7 +160,7 @@ impl KdTree {
         };
         let (kernel, tree) = (self.kernel, self.wide());
         if self.statistics.references <= most {
-            self.lanes.run(Packets::<ANY, _, _> { kernel, tree, rays, stops, found });
+            self.lanes.run(Packets::<ANY, ALL, _, _> { kernel, tree, rays, stops, found });
         } else {
             kernel.trace::<ANY>(tree, rays, stops, found);
         }

@@ -23,7 +23,7 @@ pub const RELATIVE_ERROR: f32 = 20.0 / 16_777_216.0;
 pub const GROWTH: f32 = 1.0 + 48.0 / 16_777_216.0;
 
 /// Directions below this (after scaling) count as parallel to the planes of their axis.
-const PARALLEL: f32 = 1e-24;
+pub const PARALLEL: f32 = 1e-24;
 /// Reciprocal of a direction that counts as parallel. Its product with any coordinate is finite.
 const HUGE: f32 = 1e25;
 /// Planes within this distance of a ray that is parallel to them are on both sides of it, or within some ulps of its place. Times
@@ -31,8 +31,7 @@ const HUGE: f32 = 1e25;
 const BESIDE: f32 = 2e-11;
 
 /// Directions whose longest component lies between these need no scaling: all products stay within f32's range.
-const PLAIN_LEAST: f32 = 1e-6;
-const PLAIN_MOST: f32 = 1e6;
+pub const PLAIN: [f32; 2] = [1e-6, 1e6];
 
 /// Makes the shortest of directions normal numbers.
 const DENORMAL_SCALE: f32 = 16_777_216.0;
@@ -42,7 +41,7 @@ const DENORMAL_SCALE: f32 = 16_777_216.0;
 pub fn is_plain(ray: &Ray) -> bool {
     let length = ray.dir.abs();
     let (longest, shortest) = (length.max_element(), length.min_element());
-    (PLAIN_LEAST..=PLAIN_MOST).contains(&longest) && shortest >= PARALLEL
+    (PLAIN[0]..=PLAIN[1]).contains(&longest) && shortest >= PARALLEL
 }
 
 /// A ray as the slab test wants it. Where the direction's length is unusual or an axis is parallel to it, distances are scaled

@@ -13,6 +13,7 @@ pub mod collapse;
 mod kernel;
 pub mod node;
 pub mod packet;
+mod packet_exact;
 mod packet_lanes;
 mod prefetch;
 mod scalar;

@@ -1,29 +1,28 @@
 //! Sixteen rays side by side through the same nodes: for scenes of few triangles, and for rays that go like ways.
 //!
-//! A packet goes where any of its rays goes. Each box and each triangle is tested against all rays at once; what a ray may meet is
-//! then tested one by one, exactly, as everywhere.
+//! A packet goes where any of its rays goes. Each box and each triangle is tested against all rays at once, in f32 with bounds
+//! on the error: what is certain by them needs nothing else, and the rest is decided exactly, as everywhere
+//! ([`super::packet_exact`]). So is, in the end, where the nearest triangle is met.
 
-use super::super::batch::{NO_TRIANGLE, RayBatch};
+use super::super::batch::RayBatch;
 use super::super::block::Block;
-use super::super::slab::is_plain;
 use super::super::split::MAX_DEPTH;
 use super::node::{Child, WIDTH};
+use super::packet_exact::Met;
 use super::packet_lanes::Packet;
 use super::{AnyKernel, WideTree};
-use crate::lanes::{Floats, LANES, Lanes, Work};
-use crate::math::triangle::{Nearest, ShearedRay};
-use crate::math::{Hit, Ray};
-use glam::Vec3;
+use crate::lanes::{LANES, Lanes, Mask, Work};
+use crate::math::Hit;
 
-/// The rays of a batch in packets; with `ANY`, whichever hit is found first.
-pub struct Packets<'a, const ANY: bool, Stops, Found> {
+/// The rays of a batch in packets; with `ANY`, whichever hit is found first; with `ALL`, every hit counts.
+pub struct Packets<'a, const ANY: bool, const ALL: bool, Stops, Found> {
     /// For rays that are parallel to an axis or of unusual length: they go alone.
     pub kernel: AnyKernel,
     /// What is traversed.
     pub tree: WideTree<'a>,
     /// The batch.
     pub rays: &'a RayBatch<'a>,
-    /// Which hits count.
+    /// Which hits count; not asked if all do.
     pub stops: Stops,
     /// Is told what each ray found.
     pub found: Found,
@@ -37,7 +36,7 @@ struct Visit {
     rays: u32,
 }
 
-impl<const ANY: bool, Stops, Found> Work for Packets<'_, ANY, Stops, Found>
+impl<const ANY: bool, const ALL: bool, Stops, Found> Work for Packets<'_, ANY, ALL, Stops, Found>
 where
     Stops: FnMut(usize, &Hit) -> bool,
     Found: FnMut(usize, Option<Hit>),
@@ -52,7 +51,7 @@ where
     }
 }
 
-impl<const ANY: bool, Stops, Found> Packets<'_, ANY, Stops, Found>
+impl<const ANY: bool, const ALL: bool, Stops, Found> Packets<'_, ANY, ALL, Stops, Found>
 where
     Stops: FnMut(usize, &Hit) -> bool,
     Found: FnMut(usize, Option<Hit>),
@@ -60,24 +59,13 @@ where
     #[inline(always)]
     fn packet<L: Lanes>(&mut self, l: L, first: usize) {
         let count = LANES.min(self.rays.len() - first);
-        let rays: [Ray; LANES] = std::array::from_fn(|i| self.rays.ray(first + i.min(count - 1)));
-        let mut alive = 0u32;
-        for (i, ray) in rays[..count].iter().enumerate() {
-            alive |= u32::from(is_plain(ray)) << i;
+        let mut packet = Packet::new(l, self.rays, first);
+        let members = packet.plain & ((1 << count) - 1);
+        for i in (0..count).filter(|i| members >> i & 1 == 0) {
+            self.alone(first + i);
         }
-        let odd = !alive & ((1 << count) - 1);
-        for i in (0..count).filter(|i| odd >> i & 1 == 1) {
-            let barred = self.rays.barred(first + i);
-            let stops = &mut self.stops;
-            let accept = |hit: &Hit| !barred.contains(&hit.triangle) && stops(first + i, hit);
-            let hit = self.kernel.nearest::<ANY>(self.tree, &rays[i], accept);
-            (self.found)(first + i, hit);
-        }
-        let mut packet = Packet::new(l, &rays);
-        let sheared: [ShearedRay; LANES] = std::array::from_fn(|i| ShearedRay::new(&rays[i]));
-        let mut nearest: [Nearest; LANES] = std::array::from_fn(|i| Nearest::new(&rays[i]));
-        let members = alive;
-        let octant = octant(rays[members.trailing_zeros() as usize % LANES].dir);
+        let mut alive = members;
+        let octant = packet.octant(members.trailing_zeros());
         let mut visits = [Visit::default(); MAX_DEPTH as usize + 2];
         visits[0] = Visit { node: 0, place: 0, rays: members };
         let mut depth = usize::from(!self.tree.nodes.is_empty());
@@ -90,6 +78,10 @@ where
             }
             let slot = node.slot(octant, visit.place as usize);
             visit.place += 1;
+            // Beyond them nothing is entered.
+            if slot >= node.count as usize {
+                continue;
+            }
             let entering = packet.enter(l, node, slot) & visit.rays & alive;
             if entering == 0 {
                 continue;
@@ -101,60 +93,69 @@ where
                 }
                 Child::Leaf(leaf) => {
                     for block in self.tree.leaves.blocks(leaf) {
-                        alive &= !self.test(l, &mut packet, &block, entering & alive, first, &sheared, &mut nearest);
+                        let ended = self.test(l, &mut packet, &block, entering & alive, first);
+                        alive &= !ended;
                     }
                 }
             }
         }
+        let met = if ANY { packet.met_somewhere() } else { packet.met(l) };
         for i in (0..count).filter(|i| members >> i & 1 == 1) {
-            (self.found)(first + i, nearest[i].hit);
+            (self.found)(first + i, met.hit(i));
         }
     }
 
-    /// Tests a block; with `ANY`, the rays that met something.
+    /// A ray that goes alone.
+    #[cold]
+    fn alone(&mut self, i: usize) {
+        let (ray, barred) = (self.rays.ray(i), self.rays.barred(i));
+        let stops = &mut self.stops;
+        let accept = |hit: &Hit| !barred.contains(&hit.triangle) && (ALL || stops(i, hit));
+        let hit = self.kernel.nearest::<ANY>(self.tree, &ray, accept);
+        (self.found)(i, hit);
+    }
+
+    /// Tests a block; with `ANY`, gives the rays that met something.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "the parts of one loop")]
-    fn test<L: Lanes>(
-        &mut self,
-        l: L,
-        packet: &mut Packet<L>,
-        block: &Block,
-        rays: u32,
-        first: usize,
-        sheared: &[ShearedRay; LANES],
-        nearest: &mut [Nearest; LANES],
-    ) -> u32 {
-        let mut ended = 0;
+    fn test<L: Lanes>(&mut self, l: L, packet: &mut Packet<L>, block: &Block, rays: u32, first: usize) -> u32 {
+        let mut going = l.mask(rays);
         for i in 0..block.len {
-            let corners = block.corners(i).map(|corner| packet.sheared(l, corner));
-            let mut candidates = packet.candidates(l, &corners) & rays & !ended;
-            if candidates == 0 {
+            let triangle = l.word(block.triangle(i));
+            let [a, b, c] = block.corners(i);
+            let corners = [packet.sheared(l, a), packet.sheared(l, b), packet.sheared(l, c)];
+            let Some(seen) = packet.candidates(l, &corners) else { continue };
+            let possible = seen.possible & going & !packet.bars(triangle);
+            if possible.none() {
                 continue;
             }
-            let corners = corners.map(|corner| corner.map(L::F::array));
-            while candidates != 0 {
-                let lane = candidates.trailing_zeros() as usize;
-                candidates &= candidates - 1;
-                let triangle = block.triangle(i);
-                if self.rays.barred(first + lane).contains(&triangle) && triangle != NO_TRIANGLE {
-                    continue;
+            let sure = if ALL { possible & seen.sure } else { l.mask(0) };
+            if sure.any() {
+                packet.take_sure::<ANY>(l, sure, &corners, triangle, &seen);
+            }
+            let open = possible & !sure;
+            let mut better = l.mask(0);
+            if open.any() {
+                let met = Met::new(l, &corners, &packet.inv_dir_z, triangle);
+                better = packet.better(l, open, &met);
+                if !ALL {
+                    better = l.mask(self.stopping(better.bits(), first, &met));
                 }
-                let corners = corners.each_ref().map(|corner| corner.each_ref().map(|row| row[lane]));
-                if let Some(hit) = sheared[lane].meet_sheared(corners, triangle)
-                    && nearest[lane].improves(&hit)
-                    && (self.stops)(first + lane, &hit)
-                {
-                    nearest[lane].take(hit);
-                    packet.t[lane] = hit.t;
-                    ended |= u32::from(ANY) << lane;
+                packet.take(l, better, &corners, triangle, &met);
+            }
+            if ANY {
+                going = going & !(sure | better);
+                if going.none() {
+                    return rays;
                 }
             }
         }
-        ended
+        rays & !going.bits()
     }
-}
 
-/// The octant of a direction: bits for negative x, y, z.
-fn octant(dir: Vec3) -> usize {
-    usize::from(dir.x < 0.0) | usize::from(dir.y < 0.0) << 1 | usize::from(dir.z < 0.0) << 2
+    /// Which of the hits count.
+    #[inline(never)]
+    fn stopping(&mut self, lanes: u32, first: usize, met: &Met) -> u32 {
+        let counts = |i: &usize| lanes >> i & 1 == 1 && met.hit(*i).is_some_and(|hit| (self.stops)(first + i, &hit));
+        (0..LANES).filter(counts).map(|i| 1 << i).sum()
+    }
 }
