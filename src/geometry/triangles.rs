@@ -10,8 +10,8 @@ pub struct Part {
     pub mesh: u32,
     /// The first of its triangles in [`Geometry`].
     pub first_triangle: u32,
-    /// Object normals to world normals, without unit length.
-    normal_matrix: Mat3,
+    /// Where the normals of its vertices begin in [`Geometry::vertex_normals`], if it has any, and where its vertices begin.
+    normals_from: Option<(u32, u32)>,
     /// Object directions to world directions (for tangents).
     direction_matrix: Mat3,
     /// −1 where the placement mirrors the mesh and clockwise corners show the front, else 1.
@@ -26,6 +26,9 @@ pub struct Geometry {
     corners: Vec<[u32; 3]>,
     /// Unit normals on the front.
     normals: Vec<Vec3>,
+    /// Normals at the vertices of placements that have them, in the rays' frame: one vote each, which a placement that is no
+    /// rigid motion may have made longer or shorter.
+    vertex_normals: Vec<Vec3>,
     /// Index of each triangle within its mesh.
     local: Vec<u32>,
     part_of: Vec<u32>,
@@ -77,10 +80,15 @@ impl Geometry {
             let (x, y, z) = (x * unit, y * unit, z * unit);
             let winding = if x.cross(y).dot(z) < 0.0 { -1.0 } else { 1.0 };
             let normals = [y.cross(z), z.cross(x), x.cross(y)].map(|n| n.as_vec3() * winding);
+            let normal_matrix = Mat3::from_cols(normals[0], normals[1], normals[2]);
+            let first_normal = all.vertex_normals.len() as u32;
+            // Unit length first: files hold normals of any length, and each is one vote.
+            let vote = |n: &[f32; 3]| normal_matrix * Vec3::from(*n).normalize_or_zero();
+            all.vertex_normals.extend(mesh.normals.iter().map(vote));
             let part = Part {
                 mesh: instance.mesh,
                 first_triangle: all.corners.len() as u32,
-                normal_matrix: Mat3::from_cols(normals[0], normals[1], normals[2]),
+                normals_from: (!mesh.normals.is_empty()).then_some((first_normal, first_vertex)),
                 direction_matrix: Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()),
                 winding,
             };
@@ -182,32 +190,40 @@ impl Geometry {
         if mesh.colors.is_empty() { 1.0 } else { (0..3).map(|k| b[k] * mesh.colors[v[k]][3]).sum() }
     }
 
-    /// World-space unit normals at the corners of a triangle, where the mesh has normals (zero where they are no vectors).
-    pub fn corner_normals(&self, scene: &Scene, triangle: u32) -> Option<[Vec3; 3]> {
+    /// Normals at the corners of a triangle on its front, in the rays' frame and not of unit length, where the mesh has normals
+    /// (zero where they are no vectors).
+    pub fn corner_normals(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        let (first_normal, first_vertex) = self.part(triangle).normals_from?;
+        Some(self.corners[triangle as usize].map(|i| self.vertex_normals[(i - first_vertex + first_normal) as usize]))
+    }
+
+    /// The vertex colour, at barycentric weights `b`: linear RGBA.
+    pub fn color(&self, scene: &Scene, triangle: u32, b: [f32; 3]) -> Vec4 {
         let (mesh, v) = self.source(scene, triangle);
-        let matrix = self.part(triangle).normal_matrix;
-        // Unit length first: the matrix could leave the range of f32.
-        let world = |i: usize| (matrix * Vec3::from(mesh.normals[i]).normalize_or_zero()).normalize_or_zero();
-        (!mesh.normals.is_empty()).then(|| v.map(world))
+        color_at(mesh, v, b)
     }
 
     /// Everything that the mesh says about the point with barycentric weights `b`.
     pub fn attributes(&self, scene: &Scene, triangle: u32, b: [f32; 3]) -> Attributes {
         let part = self.part(triangle);
         let (mesh, v) = self.source(scene, triangle);
-        let mix4 = |values: &[[f32; 4]]| (0..3).map(|k| Vec4::from(values[v[k]]) * b[k]).sum::<Vec4>();
-        let normal = (!mesh.normals.is_empty())
-            // Unit length first: files hold normals of any length, and each is one vote.
-            .then(|| (0..3).map(|k| Vec3::from(mesh.normals[v[k]]).normalize_or_zero() * b[k]).sum::<Vec3>())
-            .and_then(|n| (part.normal_matrix * n).try_normalize());
+        let votes = self.corner_normals(triangle);
+        let normal = votes.and_then(|n| (n[0] * b[0] + n[1] * b[1] + n[2] * b[2]).try_normalize());
         let tangent = (!mesh.tangents.is_empty()).then(|| {
             // A mirrored placement turns the cross product of normal and tangent around, but not the bitangent.
             let handedness = mesh.tangents[v[0]][3] * part.winding;
-            (part.direction_matrix * mix4(&mesh.tangents).truncate(), handedness)
+            (part.direction_matrix * mix4(&mesh.tangents, v, b).truncate(), handedness)
         });
-        let color = if mesh.colors.is_empty() { Vec4::ONE } else { mix4(&mesh.colors) };
-        Attributes { uv: uv_at(mesh, v, b), color, normal, tangent }
+        Attributes { uv: uv_at(mesh, v, b), color: color_at(mesh, v, b), normal, tangent }
     }
+}
+
+fn mix4(values: &[[f32; 4]], v: [usize; 3], b: [f32; 3]) -> Vec4 {
+    (0..3).map(|k| Vec4::from(values[v[k]]) * b[k]).sum()
+}
+
+fn color_at(mesh: &Mesh, v: [usize; 3], b: [f32; 3]) -> Vec4 {
+    if mesh.colors.is_empty() { Vec4::ONE } else { mix4(&mesh.colors, v, b) }
 }
 
 fn uv_at(mesh: &Mesh, v: [usize; 3], b: [f32; 3]) -> [[f32; 2]; 2] {

@@ -1,4 +1,5 @@
 use super::material;
+use crate::geometry::Attributes;
 use crate::geometry::textures::Reader;
 use crate::lighting::Receiver;
 use crate::math::Frame;
@@ -11,7 +12,7 @@ use kiln_formats::scene::{Layers, MaterialId};
 
 /// The least cosine between the viewer and a shading normal that leans away from him: beyond it the normal is bent back,
 /// since a viewer below the shading horizon would see black (numerics: clamp to the visible side).
-const LEAST_COSINE: f32 = 0.02;
+pub(super) const LEAST_COSINE: f32 = 0.02;
 
 /// A point on a surface, seen from one side.
 #[derive(Clone, Copy, Debug)]
@@ -115,10 +116,7 @@ impl Vertex {
         let material = &scene.materials[place.material as usize];
         let attributes = geometry.attributes(scene, hit.triangle, b);
         let unmapped = attributes.normal.unwrap_or(outward);
-        let footprint = match scene.textures.is_empty() {
-            true => [0.0; 2],
-            false => geometry.texture_density(scene, hit.triangle).map(|density| width * width * density),
-        };
+        let footprint = footprint(prepared, hit.triangle, width);
         let textures = Reader { scene, pyramids: &prepared.pyramids, uv: attributes.uv, footprint };
         let point =
             material::Point { prepared, triangle: hit.triangle, material, attributes: &attributes, b, front, textures };
@@ -195,6 +193,39 @@ impl Vertex {
     }
 }
 
+/// How the surface at a hit scatters that has no normal map, no layers, and lets nothing through, seen at the cosine `cos_o` to
+/// its shading normal by a ray whose cone is `width` wide.
+pub(super) fn scattering(prepared: &PreparedScene, hit: &Hit, cos_o: f32, width: f32) -> material::Scattering {
+    let (scene, geometry) = (&prepared.scene, &prepared.geometry);
+    let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
+    let material = &scene.materials[geometry.material(scene, hit.triangle) as usize];
+    let textured = !scene.textures.is_empty();
+    let attributes = Attributes {
+        uv: if textured { geometry.uv(scene, hit.triangle, b) } else { [[0.0; 2]; 2] },
+        color: geometry.color(scene, hit.triangle, b),
+        normal: None,
+        tangent: None,
+    };
+    let textures = Reader {
+        scene,
+        pyramids: &prepared.pyramids,
+        uv: attributes.uv,
+        footprint: footprint(prepared, hit.triangle, width),
+    };
+    let front = true;
+    material::Point { prepared, triangle: hit.triangle, material, attributes: &attributes, b, front, textures }
+        .rough(cos_o)
+}
+
+/// The area that a ray's cone covers, in each set of texture coordinates.
+fn footprint(prepared: &PreparedScene, triangle: u32, width: f32) -> [f32; 2] {
+    let (scene, geometry) = (&prepared.scene, &prepared.geometry);
+    match scene.textures.is_empty() {
+        true => [0.0; 2],
+        false => geometry.texture_density(scene, triangle).map(|density| width * width * density),
+    }
+}
+
 /// From a place to the smooth surface that its triangle stands for: away from the chord, by the mean of what leads to the
 /// planes of the corners' normals (Hanika 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4). Zero
 /// where the surface is not convex to the viewer.
@@ -202,11 +233,12 @@ impl Vertex {
 /// Without it, directions that the shading normal says are open begin below the facets, and are lost: dark triangles along
 /// every shadow's edge.
 fn lift(prepared: &PreparedScene, place: &Place, b: [f32; 3]) -> Vec3 {
-    let Some(normals) = prepared.geometry.corner_normals(&prepared.scene, place.triangle) else { return Vec3::ZERO };
+    let Some(normals) = prepared.geometry.corner_normals(place.triangle) else { return Vec3::ZERO };
     let corners = prepared.geometry.corners(place.triangle);
     let mut lift = Vec3::ZERO;
     for k in 0..3 {
-        let normal = if place.front { normals[k] } else { -normals[k] };
+        let unit = normals[k].normalize_or_zero();
+        let normal = if place.front { unit } else { -unit };
         // A normal that disagrees with the face tells nothing of a surface near it.
         if normal.dot(place.normal) > 0.0 {
             lift -= normal * (b[k] * (place.point - corners[k]).dot(normal).min(0.0));

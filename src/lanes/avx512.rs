@@ -98,6 +98,9 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn gather(self, from: &[f32], at: Words512) -> Floats512 {
+        if let Ok(table) = from.try_into() {
+            return floats!(_mm512_permutexvar_ps(at.min(self.word(15)).0, self.load(table).0));
+        }
         let Some(last) = from.len().checked_sub(1) else { return self.splat(0.0) };
         let at = at.min(self.word(last.min(i32::MAX as usize) as u32));
         // SAFETY: all places are below the length and fit a signed number; otherwise see the head of the file.
@@ -106,6 +109,9 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn gather_words(self, from: &[u32], at: Words512) -> Words512 {
+        if let Ok(table) = from.try_into() {
+            return words!(_mm512_permutexvar_epi32(at.min(self.word(15)).0, self.load_words(table).0));
+        }
         let Some(last) = from.len().checked_sub(1) else { return self.word(0) };
         let at = at.min(self.word(last.min(i32::MAX as usize) as u32));
         // SAFETY: all places are below the length and fit a signed number; otherwise see the head of the file.

@@ -235,10 +235,29 @@ pub trait Lanes: Copy + Debug + Send + Sync + 'static {
     fn load_words(self, from: &[u32; LANES]) -> Self::U;
     /// Truths from the lower sixteen bits, lane 0 in the lowest.
     fn mask(self, bits: u32) -> Self::M;
-    /// The numbers at these places; places beyond the end read the last one, and an empty slice reads zeros.
+    /// The numbers at these places; places beyond the end read the last one, and an empty slice reads zeros. From slices of
+    /// sixteen it is fastest.
     fn gather(self, from: &[f32], at: Self::U) -> Self::F;
     /// The whole numbers at these places; places beyond the end read the last one, and an empty slice reads zeros.
     fn gather_words(self, from: &[u32], at: Self::U) -> Self::U;
+
+    /// [`Self::gather`] from three rows.
+    #[inline(always)]
+    fn gather_vector(self, from: &[Vec<f32>; 3], at: Self::U) -> V3<Self::F> {
+        V3::new(self.gather(&from[0], at), self.gather(&from[1], at), self.gather(&from[2], at))
+    }
+
+    /// The same vector in every lane.
+    #[inline(always)]
+    fn splat_vector(self, [x, y, z]: [f32; 3]) -> V3<Self::F> {
+        V3::new(self.splat(x), self.splat(y), self.splat(z))
+    }
+
+    /// Sixteen vectors.
+    #[inline(always)]
+    fn load_vector(self, from: &[[f32; LANES]; 3]) -> V3<Self::F> {
+        V3::new(self.load(&from[0]), self.load(&from[1]), self.load(&from[2]))
+    }
 
     /// Sixteen numbers from `at` on.
     #[inline(always)]

@@ -1,5 +1,6 @@
 use super::Floats;
-use std::ops::{Add, Mul, Neg, Sub};
+use super::LANES;
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A vector or colour in each lane.
 #[derive(Clone, Copy, Debug)]
@@ -25,16 +26,10 @@ impl<F: Floats> V3<F> {
         Self { x, y: x, z: x }
     }
 
-    /// From a function of the component's number.
+    /// The lanes, component by component.
     #[inline(always)]
-    pub fn from_fn(mut f: impl FnMut(usize) -> F) -> Self {
-        Self { x: f(0), y: f(1), z: f(2) }
-    }
-
-    /// Each component by itself.
-    #[inline(always)]
-    pub fn map(self, f: impl Fn(F) -> F) -> Self {
-        Self { x: f(self.x), y: f(self.y), z: f(self.z) }
+    pub fn arrays(self) -> [[f32; LANES]; 3] {
+        [self.x.array(), self.y.array(), self.z.array()]
     }
 
     /// As an array.
@@ -74,7 +69,7 @@ impl<F: Floats> V3<F> {
     /// The components' magnitudes.
     #[inline(always)]
     pub fn abs(self) -> Self {
-        self.map(F::abs)
+        Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }
 
     /// Component by component.
@@ -98,7 +93,7 @@ impl<F: Floats> V3<F> {
     /// The vector where the mask is true, else zero.
     #[inline(always)]
     pub fn only(self, mask: F::Mask) -> Self {
-        self.map(|x| x.only(mask))
+        Self { x: self.x.only(mask), y: self.y.only(mask), z: self.z.only(mask) }
     }
 
     /// Where all components are finite.
@@ -145,6 +140,15 @@ impl<F: Floats> Mul<F> for V3<F> {
     #[inline(always)]
     fn mul(self, factor: F) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
+
+impl<F: Floats> Div<F> for V3<F> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, divisor: F) -> Self {
+        Self { x: self.x / divisor, y: self.y / divisor, z: self.z / divisor }
     }
 }
 

@@ -54,13 +54,23 @@ impl AreaTable {
             let back = emission::radiance(scene, geometry, *triangle, middle, false);
             table.two_sided.push(f32::from(u8::from(back != Vec3::ZERO)));
         }
+        table.pad();
         table
+    }
+
+    /// Up to sixteen are looked up fastest in tables of sixteen.
+    fn pad(&mut self) {
+        let size = self.triangle.len().max(LANES);
+        let rows = self.corners.as_flattened_mut().iter_mut().chain(&mut self.normal).chain(&mut self.radiance);
+        for row in rows.chain([&mut self.area, &mut self.two_sided, &mut self.near2]) {
+            row.resize(size, 0.0);
+        }
+        self.triangle.resize(size, 0);
     }
 
     /// As [`area::sample`]. The radiance is zero where nothing is emitted.
     #[inline(always)]
     pub fn sample<L: Lanes>(&self, l: L, emitter: L::U, point: V3<L::F>, u: [L::F; 2], active: L::M) -> AreaSamples<L> {
-        let at = |values: &[f32]| l.gather(values, emitter);
         let [a, b, c] = self.corners_of(l, emitter);
         let near = self.near(l, emitter, [a, b, c], point) & active;
         let upper = u[1].gt(u[0]);
@@ -74,52 +84,37 @@ impl AreaTable {
             let [seen, own @ ..] = each(l, near, [a, b, c], point, u);
             let found = seen.gt(l.splat(0.0));
             spherical = seen;
-            weights = [0, 1, 2].map(|k| L::F::select(found, own[k], weights[k]));
+            for (weight, own) in weights.iter_mut().zip(own) {
+                *weight = L::F::select(found, own, *weight);
+            }
         }
         let [a, b, c] = [a * weights[0], b * weights[1], c * weights[2]];
         let on_light = a + b + c;
-        let normal = V3::from_fn(|k| at(&self.normal[k]));
+        let normal = l.gather_vector(&self.normal, emitter);
         let to = on_light - point;
         let distance2 = to.length_squared();
         let distance = distance2.sqrt();
-        let direction = to.map(|x| x / distance);
+        let direction = to / distance;
         let cosine = -direction.dot(normal);
         let front = cosine.gt(l.splat(0.0));
-        let back = cosine.lt(l.splat(0.0)) & at(&self.two_sided).gt(l.splat(0.0));
-        let radiance = V3::from_fn(|k| at(&self.radiance[k])).only((front | back) & direction.is_finite());
-        let area_pdf = distance2 / (cosine.abs() * at(&self.area));
+        let back = cosine.lt(l.splat(0.0)) & l.gather(&self.two_sided, emitter).gt(l.splat(0.0));
+        let radiance = l.gather_vector(&self.radiance, emitter).only((front | back) & direction.is_finite());
+        let area_pdf = distance2 / (cosine.abs() * l.gather(&self.area, emitter));
         let pdf = L::F::select(spherical.gt(l.splat(0.0)), spherical, area_pdf);
-        let error = (a.abs() + b.abs() + c.abs()).map(|x| x * gamma(7));
+        let error = (a.abs() + b.abs() + c.abs()) * l.splat(gamma(7));
         let triangle = l.gather_words(&self.triangle, emitter);
         AreaSamples { direction, radiance, pdf, point: on_light, error, normal, triangle }
     }
 
-    /// As [`area::pdf`], without the choice; not finite at the triangle's own plane.
-    #[inline(always)]
-    pub fn pdf<L: Lanes>(&self, l: L, emitter: L::U, point: V3<L::F>, on_light: V3<L::F>, active: L::M) -> L::F {
-        let at = |values: &[f32]| l.gather(values, emitter);
-        let to = on_light - point;
-        let distance2 = to.length_squared();
-        let cos_area = V3::from_fn(|k| at(&self.normal[k])).dot(to).abs() * at(&self.area);
-        let by_area = distance2 * distance2.sqrt() / cos_area;
-        let corners = self.corners_of(l, emitter);
-        let near = self.near(l, emitter, corners, point) & active;
-        if near.none() {
-            return by_area;
-        }
-        let half = l.splat(0.5);
-        let [spherical, ..] = each(l, near, corners, point, [half, half]);
-        L::F::select(spherical.gt(l.splat(0.0)), spherical, by_area)
-    }
-
     #[inline(always)]
     fn corners_of<L: Lanes>(&self, l: L, emitter: L::U) -> [V3<L::F>; 3] {
-        [0, 1, 2].map(|k: usize| V3::from_fn(|c| l.gather(&self.corners[k][c], emitter)))
+        let [a, b, c] = &self.corners;
+        [l.gather_vector(a, emitter), l.gather_vector(b, emitter), l.gather_vector(c, emitter)]
     }
 
     #[inline(always)]
     fn near<L: Lanes>(&self, l: L, emitter: L::U, [a, b, c]: [V3<L::F>; 3], point: V3<L::F>) -> L::M {
-        let middle = (a + b + c).map(|x| x * (1.0 / 3.0));
+        let middle = (a + b + c) * l.splat(1.0 / 3.0);
         (middle - point).length_squared().lt(l.gather(&self.near2, emitter))
     }
 }
@@ -128,20 +123,31 @@ impl AreaTable {
 /// weights of the point. Where rounding leaves no point the density is infinite.
 #[inline(always)]
 fn each<L: Lanes>(l: L, near: L::M, corners: [V3<L::F>; 3], point: V3<L::F>, u: [L::F; 2]) -> [L::F; 4] {
-    let arrays = |v: V3<L::F>| v.components().map(Floats::array);
-    let (corners, point, u) = (corners.map(arrays), arrays(point), u.map(Floats::array));
-    let mut found = [[0.0; LANES]; 4];
-    let bits = near.bits();
-    for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
-        let at = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-        let [density, weights @ ..] = one(corners.each_ref().map(at), at(&point), [u[0][lane], u[1][lane]]);
-        found[0][lane] = density;
-        (0..3).for_each(|k| found[k + 1][lane] = weights[k]);
-    }
-    found.map(|values| l.load(&values))
+    let [a, b, c] = corners;
+    let found =
+        each_array(near.bits(), [a.arrays(), b.arrays(), c.arrays()], point.arrays(), [u[0].array(), u[1].array()]);
+    let [density, a, b, c] = &found;
+    [l.load(density), l.load(a), l.load(b), l.load(c)]
 }
 
 #[inline(never)]
+fn each_array(
+    lanes: u32,
+    corners: [[[f32; LANES]; 3]; 3],
+    point: [[f32; LANES]; 3],
+    u: [[f32; LANES]; 2],
+) -> [[f32; LANES]; 4] {
+    let mut found = [[0.0; LANES]; 4];
+    for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+        let at = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+        let values = one(corners.each_ref().map(at), at(&point), [u[0][lane], u[1][lane]]);
+        for (row, value) in found.iter_mut().zip(values) {
+            row[lane] = value;
+        }
+    }
+    found
+}
+
 fn one(corners: [Vec3; 3], point: Vec3, u: [f32; 2]) -> [f32; 4] {
     let Some(seen) = area::spherical(corners, point) else { return [0.0; 4] };
     let weights = seen.sample(u).and_then(|direction| spherical::weights(corners, point, direction));

@@ -13,14 +13,22 @@ pub struct ReceiverLanes<L: Lanes> {
     pub normal: V3<L::F>,
 }
 
+/// Room for running sums.
+#[derive(Debug)]
+pub struct LightRoom([[f32; LANES]; ROOT]);
+
+impl Default for LightRoom {
+    fn default() -> Self {
+        Self([[0.0; LANES]; ROOT])
+    }
+}
+
 /// Emitters that were chosen.
 pub(super) struct ChosenLanes<L: Lanes> {
     pub emitter: L::U,
     /// 0 where none can contribute.
     pub probability: L::F,
     pub again: L::F,
-    /// Sum of the importance of the root's children, wherever asked for.
-    pub total: L::F,
 }
 
 /// What a slot holds, for each lane its own or for all the same one.
@@ -36,35 +44,34 @@ struct Slot<F> {
 impl Clusters {
     #[inline(always)]
     fn splat<L: Lanes>(&self, l: L, slot: usize) -> Slot<L::F> {
-        let at = |values: &[f32]| l.splat(values[slot]);
+        let ([cx, cy, cz], [ax, ay, az]) = (&self.center, &self.axis);
         Slot {
-            center: V3::from_fn(|k| at(&self.center[k])),
-            radius: at(&self.radius),
-            axis: V3::from_fn(|k| at(&self.axis[k])),
-            spread: at(&self.spread),
-            fold: at(&self.fold),
-            strength: at(&self.strength),
+            center: l.splat_vector([cx[slot], cy[slot], cz[slot]]),
+            radius: l.splat(self.radius[slot]),
+            axis: l.splat_vector([ax[slot], ay[slot], az[slot]]),
+            spread: l.splat(self.spread[slot]),
+            fold: l.splat(self.fold[slot]),
+            strength: l.splat(self.strength[slot]),
         }
     }
 
     #[inline(always)]
     fn gather<L: Lanes>(&self, l: L, slot: L::U) -> Slot<L::F> {
-        let at = |values: &[f32]| l.gather(values, slot);
         Slot {
-            center: V3::from_fn(|k| at(&self.center[k])),
-            radius: at(&self.radius),
-            axis: V3::from_fn(|k| at(&self.axis[k])),
-            spread: at(&self.spread),
-            fold: at(&self.fold),
-            strength: at(&self.strength),
+            center: l.gather_vector(&self.center, slot),
+            radius: l.gather(&self.radius, slot),
+            axis: l.gather_vector(&self.axis, slot),
+            spread: l.gather(&self.spread, slot),
+            fold: l.gather(&self.fold, slot),
+            strength: l.gather(&self.strength, slot),
         }
     }
 
     /// Running sums over the root's children; those of `active` lanes count.
     #[inline(always)]
-    fn root_sums<L: Lanes>(&self, l: L, receiver: &ReceiverLanes<L>, room: &mut [[f32; LANES]; ROOT]) -> L::F {
+    fn root_sums<L: Lanes>(&self, l: L, receiver: &ReceiverLanes<L>, room: &mut LightRoom) -> L::F {
         let mut sum = l.splat(0.0);
-        for (slot, to) in room.iter_mut().enumerate().take(self.first[1] as usize) {
+        for (slot, to) in room.0.iter_mut().enumerate().take(self.first[1] as usize) {
             sum = sum + importance(l, &self.splat(l, slot), receiver);
             sum.store(to);
         }
@@ -79,11 +86,11 @@ impl Clusters {
         first: L::U,
         count: L::U,
         receiver: &ReceiverLanes<L>,
-        room: &mut [[f32; LANES]; ROOT],
+        room: &mut LightRoom,
     ) -> (L::F, usize) {
         let mut sum = l.splat(0.0);
         let most = count.array().into_iter().max().unwrap_or(0) as usize;
-        for (k, to) in room.iter_mut().enumerate().take(most) {
+        for (k, to) in room.0.iter_mut().enumerate().take(most) {
             let k = l.word(k as u32);
             sum = sum + importance(l, &self.gather(l, first + k), receiver).only(k.lt(count));
             sum.store(to);
@@ -99,27 +106,27 @@ impl Clusters {
         receiver: &ReceiverLanes<L>,
         active: L::M,
         mut u: L::F,
+        room: &mut LightRoom,
     ) -> ChosenLanes<L> {
         let zero = l.splat(0.0);
-        let mut chosen = ChosenLanes { emitter: l.word(0), probability: zero, again: u, total: zero };
+        let mut chosen = ChosenLanes { emitter: l.word(0), probability: zero, again: u };
         if self.is_empty() {
             return chosen;
         }
-        let mut room = [[0.0; LANES]; ROOT];
         let mut probability = l.splat(1.0);
         let (mut first, mut many) = (l.word(0), self.first[1] as usize);
-        let mut total = self.root_sums(l, receiver, &mut room);
-        chosen.total = total;
+        let mut total = self.root_sums(l, receiver, room);
         let mut searching = active;
         loop {
             searching = searching & total.gt(zero);
             let x = u * (total * BELOW_ONE);
-            let sums = room[..many].as_flattened();
+            let sums = room.0[..many].as_flattened();
             // Lanes without light would read beyond their sums; what they find is not used.
             let k = place(l, sums, many, x).min(l.word(many as u32 - 1));
-            let at = |k: L::U| l.gather(sums, k.shl::<4>() + l.lane_numbers());
-            let before = L::F::select(k.eq(l.word(0)), zero, at(k - L::U::select(k.eq(l.word(0)), k, l.word(1))));
-            let own = at(k) - before;
+            let at_first = k.eq(l.word(0));
+            let before = own_lane(l, sums, k - L::U::select(at_first, k, l.word(1)));
+            let before = L::F::select(at_first, zero, before);
+            let own = own_lane(l, sums, k) - before;
             u = L::F::select(searching, ((x - before) / own).min(l.splat(BELOW_ONE)), u);
             probability = probability * (own / total);
             let link = l.gather_words(&self.link, first + k);
@@ -133,54 +140,15 @@ impl Clusters {
             }
             first = l.gather_words(&self.first, link);
             let count = L::U::select(searching, l.gather_words(&self.first, link + 1) - first, l.word(0));
-            (total, many) = self.node_sums(l, first, count, receiver, &mut room);
+            (total, many) = self.node_sums(l, first, count, receiver, room);
         }
     }
+}
 
-    /// As [`Clusters::probability`]. `total` is what the choice gave for the receiver; where it is 0 it is computed.
-    #[inline(always)]
-    pub fn probability_lanes<L: Lanes>(
-        &self,
-        l: L,
-        receiver: &ReceiverLanes<L>,
-        active: L::M,
-        emitter: L::U,
-        total: L::F,
-    ) -> L::F {
-        let zero = l.splat(0.0);
-        let mut room = [[0.0; LANES]; ROOT];
-        let mut slot = l.gather_words(&self.slot_of_emitter, emitter);
-        let mut probability = l.splat(1.0);
-        let mut result = zero;
-        let mut climbing = active;
-        // Below the root a node's sums are few; the root's are known but for the slot's own share.
-        loop {
-            let node = l.gather_words(&self.node_of, slot);
-            let at_root = climbing & node.eq(l.word(0));
-            if at_root.any() {
-                let known = total.gt(zero);
-                let total = if (at_root & !known).any() {
-                    L::F::select(known, total, self.root_sums(l, receiver, &mut room))
-                } else {
-                    total
-                };
-                let own = importance(l, &self.gather(l, slot), receiver);
-                let p = probability * (own / total);
-                result = L::F::select(at_root & own.gt(zero), p, result);
-                climbing = climbing & !at_root;
-            }
-            if climbing.none() {
-                return result;
-            }
-            let first = l.gather_words(&self.first, node);
-            let count = L::U::select(climbing, l.gather_words(&self.first, node + 1) - first, l.word(0));
-            let (sum, _) = self.node_sums(l, first, count, receiver, &mut room);
-            let own = importance(l, &self.gather(l, slot), receiver);
-            climbing = climbing & own.gt(zero);
-            probability = probability * (own / sum);
-            slot = L::U::select(climbing, l.gather_words(&self.slot_of, node), slot);
-        }
-    }
+/// Each lane's entry of rows of sixteen.
+#[inline(always)]
+fn own_lane<L: Lanes>(l: L, rows: &[f32], row: L::U) -> L::F {
+    l.gather(rows, row.shl::<4>() + l.lane_numbers())
 }
 
 /// For each lane how many of its running sums are at most `x`: sum `k` of lane `i` is at 16·k + i.
@@ -192,7 +160,7 @@ fn place<L: Lanes>(l: L, sums: &[f32], many: usize, x: L::F) -> L::U {
     while step > 0 {
         let tried = below + step;
         // The last sum of those tried; beyond the end nothing is at most x.
-        let last = l.gather(sums, (tried - l.word(1)).shl::<4>() + l.lane_numbers());
+        let last = own_lane(l, sums, tried - 1);
         let taken = last.le(x) & tried.lt(l.word(many as u32 + 1));
         below = L::U::select(taken, tried, below);
         step /= 2;

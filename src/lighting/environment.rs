@@ -199,7 +199,7 @@ impl EnvironmentMap {
         let column = |x: f32| (x as i64).rem_euclid(self.width as i64) as usize;
         let row = |y: f32| (y as i64).clamp(0, self.height as i64 - 1) as usize * self.width;
         let (xa, xb, ya, yb) = (column(x0), column(x0 + 1.0), row(y0), row(y0 + 1.0));
-        let p = |at: usize| Vec3::from(self.table.pixels.each_ref().map(|channel| channel[at]));
+        let p = |at: usize| self.table.pixel(at);
         (p(ya + xa) * (1.0 - fx) + p(ya + xb) * fx) * (1.0 - fy) + (p(yb + xa) * (1.0 - fx) + p(yb + xb) * fx) * fy
     }
 

@@ -5,22 +5,90 @@ use glam::Vec3;
 use kiln_formats::scene::UpAxis;
 use std::f32::consts::{FRAC_1_PI, PI};
 
-/// Tables that lanes read: the picture by channels, and distributions over its sampling grid.
+/// Tables that lanes read: the picture, and distributions over its sampling grid. They are kept small and together, since
+/// what they cost is fetching them.
 #[derive(Debug, Default)]
 pub(super) struct MapTable {
     /// Columns and rows of the picture.
-    pub size: [u32; 2],
-    /// The picture's channels, row by row.
-    pub pixels: [Vec<f32>; 3],
+    size: [u32; 2],
+    /// Red, green and blue of its pixels, row by row.
+    pixels: Vec<f32>,
     /// Columns and rows of the sampling grid.
-    pub grid: [u32; 2],
-    /// Running sums over rows, and over the columns of each row, both scaled to end in 1.
-    pub rows: Vec<f32>,
-    pub columns: Vec<f32>,
-    /// Density of each cell with respect to the unit square.
-    pub density: Vec<f32>,
-    pub rotation_turns: f32,
-    pub up: Option<UpAxis>,
+    grid: [u32; 2],
+    rows: Shares,
+    /// Over the columns of each row.
+    columns: Shares,
+    rotation_turns: f32,
+    up: Option<UpAxis>,
+}
+
+/// Lists of shares, all of one length.
+#[derive(Debug, Default)]
+struct Shares {
+    /// Items of a list.
+    count: u32,
+    /// For each item the running sum of the shares up to and with it, which ends in 1, and a density of the item.
+    items: Vec<f32>,
+    /// Parts of [0, 1), a power of two, of each of which `guide` knows the first item that reaches into it.
+    parts: u32,
+    /// `parts` + 1 numbers for each list.
+    guide: Vec<u32>,
+}
+
+impl Shares {
+    /// Lists of `count` items with these weights ≥ 0 and densities.
+    fn new(count: usize, weights: &[f64], densities: &[f32]) -> Self {
+        let parts = (count / 4).next_power_of_two();
+        let mut items = Vec::with_capacity(2 * weights.len());
+        let mut guide = Vec::with_capacity(weights.len() / count * (parts + 1));
+        for (weights, densities) in weights.chunks_exact(count).zip(densities.chunks_exact(count)) {
+            let total: f64 = weights.iter().sum();
+            let unit = if total > 0.0 { 1.0 / total } else { 0.0 };
+            let mut sum = 0.0;
+            let running = weights.iter().map(|w| {
+                sum += w;
+                (sum * unit) as f32
+            });
+            let mut running: Vec<f32> = running.collect();
+            // Numbers below 1 must find an item that has weight.
+            let last = running.iter().rposition(|s| *s < 1.0).map_or(0, |k| k + 1);
+            running[last..].fill(1.0);
+            let first = |part: usize| running.partition_point(|s| *s <= part as f32 / parts as f32).min(count - 1);
+            guide.extend((0..=parts).map(|part| first(part) as u32));
+            items.extend(running.iter().zip(densities).flat_map(|(sum, density)| [*sum, *density]));
+        }
+        Self { count: count as u32, items, parts: parts as u32, guide }
+    }
+
+    /// The items that hold numbers in [0, 1), each in a list of its own, and the places within them.
+    #[inline(always)]
+    fn invert<L: Lanes>(&self, l: L, list: L::U, u: L::F) -> (L::U, L::F) {
+        let part = list * (self.parts + 1) + (u * self.parts as f32).truncate();
+        let (mut low, mut high) = (l.gather_words(&self.guide, part), l.gather_words(&self.guide, part + 1));
+        let first = list * self.count;
+        while low.lt(high).any() {
+            let middle = (low + high).shr::<1>();
+            let beyond = self.sum(l, first + middle).le(u);
+            low = L::U::select(beyond, middle + 1, low);
+            high = L::U::select(beyond, high, middle);
+        }
+        let zero = l.splat(0.0);
+        let at_start = low.eq(l.word(0));
+        let before = self.sum(l, first + low - L::U::select(at_start, l.word(0), l.word(1)));
+        let before = L::F::select(at_start, zero, before);
+        let own = self.sum(l, first + low) - before;
+        (low, ((u - before) / own).max(zero).min(l.splat(1.0 - f32::EPSILON)))
+    }
+
+    #[inline(always)]
+    fn sum<L: Lanes>(&self, l: L, item: L::U) -> L::F {
+        l.gather(&self.items, item.shl::<1>())
+    }
+
+    #[inline(always)]
+    fn density<L: Lanes>(&self, l: L, item: L::U) -> L::F {
+        l.gather(&self.items, item.shl::<1>() + 1)
+    }
 }
 
 impl MapTable {
@@ -33,37 +101,26 @@ impl MapTable {
         rotation: f32,
         up: UpAxis,
     ) -> Self {
-        let sums: Vec<f64> = weights.chunks_exact(grid[0]).map(|r| r.iter().map(|w| f64::from(*w)).sum()).collect();
+        let weights: Vec<f64> = weights.iter().map(|w| f64::from(*w)).collect();
+        let sums: Vec<f64> = weights.chunks_exact(grid[0]).map(|row| row.iter().sum()).collect();
         let total: f64 = sums.iter().sum();
-        let running = |weights: &mut dyn Iterator<Item = f64>, total: f64| {
-            let mut sum = 0.0;
-            let unit = if total > 0.0 { 1.0 / total } else { 0.0 };
-            let shares = weights.map(|w| {
-                sum += w;
-                (sum * unit) as f32
-            });
-            let mut shares: Vec<f32> = shares.collect();
-            // Numbers below 1 must find a cell that has weight.
-            let last = shares.iter().rposition(|s| *s < 1.0).map_or(0, |k| k + 1);
-            shares[last..].fill(1.0);
-            shares
-        };
-        let mut columns = Vec::with_capacity(weights.len());
-        for (row, sum) in weights.chunks_exact(grid[0]).zip(&sums) {
-            columns.extend(running(&mut row.iter().map(|w| f64::from(*w)), *sum));
-        }
-        let rows = running(&mut sums.iter().copied(), total);
         let cells = weights.len() as f64;
+        // With respect to the unit square.
+        let densities: Vec<f32> = weights.iter().map(|w| (w / total * cells) as f32).collect();
         Self {
             size: size.map(|x| x as u32),
-            pixels: [0, 1, 2].map(|k| pixels.iter().map(|p| p[k]).collect()),
+            pixels: pixels.iter().flat_map(|p| p.to_array()).collect(),
             grid: grid.map(|x| x as u32),
-            rows,
-            columns,
-            density: weights.iter().map(|w| (f64::from(*w) / total * cells) as f32).collect(),
+            rows: Shares::new(grid[1], &sums, &vec![0.0; grid[1]]),
+            columns: Shares::new(grid[0], &weights, &densities),
             rotation_turns: rotation * (0.5 * FRAC_1_PI),
             up: Some(up),
         }
+    }
+
+    /// A pixel, by its number.
+    pub fn pixel(&self, at: usize) -> Vec3 {
+        Vec3::from_slice(&self.pixels[3 * at..])
     }
 
     fn z_up(&self) -> bool {
@@ -92,23 +149,25 @@ impl MapTable {
         let left = L::F::select(x0.lt(zero), last_x, x0.min(last_x));
         let right = L::F::select(left.lt(last_x), left + 1.0, zero);
         let (top, bottom) = (y0.max(zero).min(last_y), (y0 + 1.0).max(zero).min(last_y));
-        let row = |y: L::F| y.truncate() * width;
-        let (left, right, top, bottom) = (left.truncate(), right.truncate(), row(top), row(bottom));
+        let (left, right) = (left.truncate(), right.truncate());
+        let (top, bottom) = (top.truncate() * width, bottom.truncate() * width);
         let one = l.splat(1.0);
-        V3::from_fn(|k| {
-            let at = |place: L::U| l.gather(&self.pixels[k], place);
-            let above = at(top + left) * (one - fx) + at(top + right) * fx;
-            let below = at(bottom + left) * (one - fx) + at(bottom + right) * fx;
-            above * (one - fy) + below * fy
-        })
+        let above = self.pixels_at(l, top + left) * (one - fx) + self.pixels_at(l, top + right) * fx;
+        let below = self.pixels_at(l, bottom + left) * (one - fx) + self.pixels_at(l, bottom + right) * fx;
+        above * (one - fy) + below * fy
+    }
+
+    #[inline(always)]
+    fn pixels_at<L: Lanes>(&self, l: L, at: L::U) -> V3<L::F> {
+        let at = at * 3;
+        V3::new(l.gather(&self.pixels, at), l.gather(&self.pixels, at + 1), l.gather(&self.pixels, at + 2))
     }
 
     /// Solid angle density at places of the picture.
     #[inline(always)]
     pub fn pdf<L: Lanes>(&self, l: L, [u, v]: [L::F; 2]) -> L::F {
         let [width, height] = self.grid;
-        let cell = |x: L::F, count: u32| (x * count as f32).min(l.splat(count as f32 - 1.0)).truncate();
-        let density = l.gather(&self.density, cell(v, height) * width + cell(u, width));
+        let density = self.columns.density(l, cell(l, v, height) * width + cell(l, u, width));
         let (sine, _) = functions::sin_cos_turns(v * 0.5);
         let found = sine.gt(l.splat(0.0));
         (density / (sine * (2.0 * PI * PI))).only(found)
@@ -118,8 +177,8 @@ impl MapTable {
     #[inline(always)]
     pub fn sample<L: Lanes>(&self, l: L, u: [L::F; 2]) -> (V3<L::F>, [L::F; 2]) {
         let [width, height] = self.grid;
-        let (row, v) = invert(l, &self.rows, l.word(0), height, u[1]);
-        let (column, across) = invert(l, &self.columns, row * width, width, u[0]);
+        let (row, v) = self.rows.invert(l, l.word(0), u[1]);
+        let (column, across) = self.columns.invert(l, row, u[0]);
         let turns = (column.to_floats() + across) / width as f32 - 0.5 - self.rotation_turns;
         let (sin_phi, cos_phi) = functions::sin_cos_turns(turns);
         let (sine, cosine) = functions::sin_cos_turns((row.to_floats() + v) / (2.0 * height as f32));
@@ -130,23 +189,8 @@ impl MapTable {
     }
 }
 
-/// The item of a list of running sums, `count` of them from `first` on, that holds each number, and the place within it.
+/// The cell of `count` that a place in [0, 1] lies in.
 #[inline(always)]
-fn invert<L: Lanes>(l: L, sums: &[f32], first: L::U, count: u32, u: L::F) -> (L::U, L::F) {
-    let mut below = l.word(0);
-    let mut step = count.next_power_of_two();
-    while step > 0 {
-        let tried = below + step;
-        let taken = l.gather(sums, first + tried - l.word(1)).le(u) & tried.lt(l.word(count));
-        below = L::U::select(taken, tried, below);
-        step /= 2;
-    }
-    let zero = l.splat(0.0);
-    let at_start = below.eq(l.word(0));
-    let before = l.gather(sums, first + below - L::U::select(at_start, l.word(0), l.word(1)));
-    let before = L::F::select(at_start, zero, before);
-    let own = l.gather(sums, first + below) - before;
-    let within = ((u - before) / own).max(zero).min(l.splat(1.0 - f32::EPSILON));
-    debug_assert!(!within.lt(zero).any());
-    (below, within)
+fn cell<L: Lanes>(l: L, x: L::F, count: u32) -> L::U {
+    (x * count as f32).min(l.splat(count as f32 - 1.0)).truncate()
 }

@@ -1,8 +1,7 @@
-//! [`Lights`] for sixteen receivers at a time. Tested, but not yet what the wavefront uses: as built now, closures in it are not
-//! inlined into the code that has the instructions, and it is slower than one by one (see the record of 22 Nov 2026).
+//! [`Lights`] for sixteen receivers at a time: what the wavefront uses.
 
 use super::area_lanes::AreaTable;
-use super::clusters_lanes::ReceiverLanes;
+use super::clusters_lanes::{LightRoom, ReceiverLanes};
 use super::environment::Environment;
 use super::lights::Lights;
 use super::sample::{Group, LightReach};
@@ -39,17 +38,12 @@ pub struct LightSampleLanes<L: Lanes> {
     pub triangle: L::U,
     /// Lights at infinity.
     pub infinite: L::M,
-    /// What [`Lights::pdf_triangle_lanes`] wants to know of the receiver; 0 where no triangle was chosen.
-    pub total: L::F,
 }
 
 /// Tables for lanes.
 #[derive(Debug, Default)]
 pub(super) struct LanesTables {
     pub area: AreaTable,
-    /// Emitter number of each triangle of the geometry, from the first emissive one on; `NONE` for others.
-    emitter_of: Vec<u32>,
-    first_triangle: u32,
     /// [`Lights::parts`] of each reach.
     parts: [Vec<[f32; 2]>; 3],
 }
@@ -67,13 +61,8 @@ impl LanesTables {
         if many || lights.punctual.iter().any(|l| l.through_glass) || !triangles.iter().all(even) {
             return None;
         }
-        let (first, last) = (triangles.first().copied().unwrap_or(0), triangles.last().copied().unwrap_or(0));
-        let mut emitter_of = if triangles.is_empty() { Vec::new() } else { vec![NONE; (last - first + 1) as usize] };
-        for (emitter, triangle) in triangles.iter().enumerate() {
-            emitter_of[(triangle - first) as usize] = emitter as u32;
-        }
         let parts = [LightReach::Punctual, LightReach::Mis, LightReach::All].map(|reach| lights.parts(reach));
-        Some(Self { area: AreaTable::new(scene, geometry, triangles), emitter_of, first_triangle: first, parts })
+        Some(Self { area: AreaTable::new(scene, geometry, triangles), parts })
     }
 
     #[inline(always)]
@@ -90,6 +79,7 @@ impl Lights {
 
     /// As [`Lights::sample`], where `active`.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "sixteen of everything")]
     pub fn sample_lanes<L: Lanes>(
         &self,
         l: L,
@@ -98,6 +88,7 @@ impl Lights {
         reach: LightReach,
         choice: L::F,
         u: [L::F; 2],
+        room: &mut LightRoom,
     ) -> LightSampleLanes<L> {
         let zero = l.splat(0.0);
         let nothing = V3::splat(zero);
@@ -111,7 +102,6 @@ impl Lights {
             normal: nothing,
             triangle: l.word(NONE),
             infinite: l.first(0),
-            total: zero,
         };
         let Some(tables) = &self.lanes else { return out };
         let start = if self.few { u[0] } else { choice };
@@ -132,14 +122,13 @@ impl Lights {
                     self.punctual_lanes(l, kind, share, receiver, here, again, u, &mut out);
                 }
                 Group::Triangles => {
-                    let chosen = self.clusters.sample_lanes(l, receiver, here, again);
-                    out.total = L::F::select(here, chosen.total, out.total);
+                    let chosen = self.clusters.sample_lanes(l, receiver, here, again, room);
                     let first = if self.few { chosen.again } else { u[0] };
                     let s = tables.area.sample(l, chosen.emitter, receiver.point, [first, u[1]], here);
                     let pdf = s.pdf * (chosen.probability * share);
                     let usable =
                         here & chosen.probability.gt(zero) & s.radiance.is_not_zero() & pdf.gt(zero) & pdf.is_finite();
-                    let weight = s.radiance.map(|x| x / pdf);
+                    let weight = s.radiance / pdf;
                     out.take(usable, s.direction, weight, pdf, s.point);
                     out.error = V3::select(usable, s.error, out.error);
                     out.normal = V3::select(usable, s.normal, out.normal);
@@ -150,7 +139,7 @@ impl Lights {
                     let (direction, radiance, pdf) = self.environment_sample(l, [first, u[1]]);
                     let pdf = pdf * share;
                     let usable = here & pdf.gt(zero) & pdf.is_finite() & radiance.is_not_zero();
-                    out.take(usable, direction, radiance.map(|x| x / pdf), pdf, direction);
+                    out.take(usable, direction, radiance / pdf, pdf, direction);
                     out.infinite = out.infinite | usable;
                 }
             }
@@ -170,7 +159,7 @@ impl Lights {
         let z = l.splat(1.0) - u[0] * 2.0;
         let r = (l.splat(1.0) - z * z).max(l.splat(0.0)).sqrt();
         let (sin, cos) = crate::lanes::functions::sin_cos_turns(u[1]);
-        let radiance = V3::from_fn(|k| l.splat(constant[k]));
+        let radiance = l.splat_vector(constant.into());
         (V3::new(r * cos, r * sin, z), radiance, l.splat(0.25 * std::f32::consts::FRAC_1_PI))
     }
 
@@ -188,64 +177,50 @@ impl Lights {
         u: [L::F; 2],
         out: &mut LightSampleLanes<L>,
     ) {
-        let mut found = [[0.0f32; LANES]; 10];
-        let (mut valid, mut infinite) = (0, 0);
-        let (again, u) = (again.array(), [u[0].array(), u[1].array()]);
-        let arrays = |v: V3<L::F>| v.components().map(Floats::array);
-        let (points, normals) = (arrays(receiver.point), arrays(receiver.normal));
-        let bits = here.bits();
-        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
-            let at = |v: &[[f32; LANES]; 3]| glam::Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-            let place = super::Receiver { point: at(&points), normal: at(&normals), both_sides: false };
-            let Some(sample) = self.sample_punctual(group, share, &place, again[lane], [u[0][lane], u[1][lane]]) else {
+        let found = self.punctual_arrays(
+            group,
+            share,
+            here.bits(),
+            [&receiver.point.arrays(), &receiver.normal.arrays()],
+            [again.array(), u[0].array(), u[1].array()],
+        );
+        let [direction, weight, end] = &found.vectors;
+        let (direction, weight, end) = (l.load_vector(direction), l.load_vector(weight), l.load_vector(end));
+        out.take(l.mask(found.valid), direction, weight, l.splat(0.0), end);
+        out.infinite = out.infinite | l.mask(found.infinite);
+    }
+
+    #[inline(never)]
+    fn punctual_arrays(
+        &self,
+        group: Group,
+        share: f32,
+        lanes: u32,
+        receivers: [&[[f32; LANES]; 3]; 2],
+        [again, u, v]: [[f32; LANES]; 3],
+    ) -> Punctuals {
+        let mut found = Punctuals::default();
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+            let [point, normal] = receivers.map(|v| glam::Vec3::new(v[0][lane], v[1][lane], v[2][lane]));
+            let place = super::Receiver { point, normal, both_sides: false };
+            let Some(sample) = self.sample_punctual(group, share, &place, again[lane], [u[lane], v[lane]]) else {
                 continue;
             };
-            valid |= 1 << lane;
+            found.valid |= 1 << lane;
             let end = match sample.target {
                 super::Target::Point(point) => point,
                 _ => {
-                    infinite |= 1 << lane;
+                    found.infinite |= 1 << lane;
                     sample.direction
                 }
             };
-            let values = [sample.direction, sample.weight, end];
-            for (k, value) in values.iter().flat_map(|v| v.to_array()).enumerate() {
-                found[k][lane] = value;
+            for (row, value) in found.vectors.iter_mut().zip([sample.direction, sample.weight, end]) {
+                for (to, x) in row.iter_mut().zip(value.to_array()) {
+                    to[lane] = x;
+                }
             }
         }
-        let vector = |k: usize| V3::new(l.load(&found[k]), l.load(&found[k + 1]), l.load(&found[k + 2]));
-        out.take(l.mask(valid), vector(0), vector(3), l.splat(0.0), vector(6));
-        out.infinite = out.infinite | l.mask(infinite);
-    }
-
-    /// As [`Lights::pdf_triangle`], where `active`. `total` is that of the receiver's [`LightSampleLanes`], or 0.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "sixteen of everything")]
-    pub fn pdf_triangle_lanes<L: Lanes>(
-        &self,
-        l: L,
-        triangle: L::U,
-        receiver: &ReceiverLanes<L>,
-        point: V3<L::F>,
-        total: L::F,
-        active: L::M,
-        reach: LightReach,
-    ) -> L::F {
-        let zero = l.splat(0.0);
-        let (Some(tables), true) = (&self.lanes, reach != LightReach::Punctual) else { return zero };
-        let place = triangle - l.word(tables.first_triangle);
-        let inside = place.lt(l.word(tables.emitter_of.len() as u32));
-        let emitter = l.gather_words(&tables.emitter_of, place);
-        let active = active & inside & emitter.lt(l.word(NONE));
-        if active.none() {
-            return zero;
-        }
-        let emitter = L::U::select(active, emitter, l.word(0));
-        let [low, high] = tables.parts(reach)[self.global + 1];
-        let share = high - low;
-        let chosen = self.clusters.probability_lanes(l, receiver, active, emitter, total);
-        let pdf = tables.area.pdf(l, emitter, receiver.point, point, active) * (chosen * share);
-        pdf.only(active & pdf.is_finite())
+        found
     }
 
     /// Radiance of the environment along unit vectors, and the density with which light samples make them.
@@ -263,11 +238,19 @@ impl Lights {
             Some(environment @ Environment::Constant(_)) => {
                 let constant = environment.mean();
                 let pdf = 0.25 * std::f32::consts::FRAC_1_PI * share;
-                (V3::from_fn(|k| l.splat(constant[k])), l.splat(pdf))
+                (l.splat_vector(constant.into()), l.splat(pdf))
             }
             None => (V3::splat(l.splat(0.0)), l.splat(0.0)),
         }
     }
+}
+
+/// Samples of punctual lights: direction, weight, end.
+#[derive(Default)]
+struct Punctuals {
+    vectors: [[[f32; LANES]; 3]; 3],
+    valid: u32,
+    infinite: u32,
 }
 
 impl<L: Lanes> LightSampleLanes<L> {

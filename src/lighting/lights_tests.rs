@@ -1,7 +1,7 @@
 use super::*;
 use crate::geometry::world_bounds;
 use crate::lanes::{AnyLanes, Floats, LANES, Lanes, Mask, V3, Work};
-use crate::lighting::{EnvironmentSource, ReceiverLanes};
+use crate::lighting::{EnvironmentSource, LightRoom, ReceiverLanes};
 use crate::math::simd::SimdTier;
 use crate::sampling::{hash_combine, unit_float};
 use glam::DAffine3;
@@ -87,7 +87,7 @@ fn receiver(i: u32) -> Receiver {
 
 const REACHES: [LightReach; 3] = [LightReach::Punctual, LightReach::Mis, LightReach::All];
 
-/// Sixteen samples of many groups of receivers, each with the densities that are stated for it afterwards.
+/// Sixteen samples of many groups of receivers; those of the environment with the density that is stated for it afterwards.
 struct Samples<'a>(&'a Lit, LightReach);
 
 /// Valid, direction, weight, pdf, target, triangle, the pdf asked for again.
@@ -99,20 +99,18 @@ impl Work for Samples<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
         let Self(lit, reach) = self;
-        let mut out = Vec::new();
+        let (mut out, mut room) = (Vec::new(), LightRoom::default());
         for group in 0..40 {
             let places: [Receiver; LANES] = std::array::from_fn(|i| receiver(group * 16 + i as u32));
             let lanes = |f: &dyn Fn(&Receiver) -> f32| l.load(&std::array::from_fn(|i| f(&places[i])));
-            let receiver = ReceiverLanes::<L> {
-                point: V3::from_fn(|k| lanes(&|r| r.point[k])),
-                normal: V3::from_fn(|k| lanes(&|r| r.normal[k])),
-            };
+            let vector =
+                |f: &dyn Fn(&Receiver) -> Vec3| V3::new(lanes(&|r| f(r).x), lanes(&|r| f(r).y), lanes(&|r| f(r).z));
+            let receiver = ReceiverLanes::<L> { point: vector(&|r| r.point), normal: vector(&|r| r.normal) };
             let random = |k: u32| l.load(&std::array::from_fn(|i| number(group * 16 + i as u32, 90 + k)));
-            let s = lit.lights.sample_lanes(l, &receiver, l.first(16), reach, random(0), [random(1), random(2)]);
-            let on_triangle = s.valid & !s.infinite & s.pdf.gt(l.splat(0.0));
-            let found = lit.lights.pdf_triangle_lanes(l, s.triangle, &receiver, s.target, s.total, on_triangle, reach);
+            let s =
+                lit.lights.sample_lanes(l, &receiver, l.first(16), reach, random(0), [random(1), random(2)], &mut room);
             let (_, escaped) = lit.lights.environment_lanes(l, s.direction, reach);
-            let again = L::F::select(on_triangle, found, escaped.only(s.pdf.gt(l.splat(0.0))));
+            let again = L::F::select(s.infinite & s.pdf.gt(l.splat(0.0)), escaped, s.pdf);
             let (valid, pdf, again) = (s.valid.bits(), s.pdf.array(), again.array());
             let triangle = crate::lanes::Words::array(s.triangle);
             out.push(std::array::from_fn(|i| {

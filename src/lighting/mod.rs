@@ -18,7 +18,7 @@ mod studio;
 mod tree;
 
 pub use clusters::Receiver;
-pub use clusters_lanes::ReceiverLanes;
+pub use clusters_lanes::{LightRoom, ReceiverLanes};
 pub use environment::{Environment, EnvironmentSource};
 pub use lights::Lights;
 pub use lights_lanes::LightSampleLanes;

@@ -22,6 +22,13 @@ pub struct RoughLobes {
     pub diffuse_share: f32,
 }
 
+impl RoughLobes {
+    /// A Lambert lobe alone.
+    pub fn lambert(albedo: glam::Vec3) -> Self {
+        Self { albedo: albedo.to_array(), diffuse_share: 1.0, ..Self::default() }
+    }
+}
+
 /// [`RoughLobes`] in lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughLanes<F: Floats> {

@@ -5,10 +5,11 @@ use super::{SHADOWS, Wave, shadow};
 use crate::integrate::direct::power_heuristic_lanes;
 use crate::integrate::wave::lanes::offset_point;
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
-use crate::lighting::{Receiver, Target};
+use crate::lighting::{LightSampleLanes, Receiver, ReceiverLanes, Target};
 use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSamplers, Purpose};
 use crate::settings::Strategy;
+use crate::shading::RoughLanes;
 use glam::Vec3;
 
 /// Light samples chosen one by one: direction, weight, target, its error and its normal, density.
@@ -18,7 +19,6 @@ struct Chosen {
     pdf: [f32; LANES],
     triangle: [u32; LANES],
     valid: u32,
-    points: u32,
     infinite: u32,
 }
 
@@ -30,9 +30,19 @@ impl Chosen {
     }
 
     #[inline(always)]
-    fn vector<L: Lanes>(&self, l: L, row: usize) -> V3<L::F> {
-        let [x, y, z] = &self.vectors[row];
-        V3::new(l.load(x), l.load(y), l.load(z))
+    fn lanes<L: Lanes>(&self, l: L) -> LightSampleLanes<L> {
+        let [direction, weight, target, error, normal] = &self.vectors;
+        LightSampleLanes {
+            valid: l.mask(self.valid),
+            direction: l.load_vector(direction),
+            weight: l.load_vector(weight),
+            pdf: l.load(&self.pdf),
+            target: l.load_vector(target),
+            error: l.load_vector(error),
+            normal: l.load_vector(normal),
+            triangle: l.load_words(&self.triangle),
+            infinite: l.mask(self.infinite),
+        }
     }
 }
 
@@ -42,6 +52,8 @@ pub(super) struct Carried<L: Lanes> {
     pub slot: L::U,
     pub triangle: L::U,
     pub samplers: PathSamplers<L>,
+    /// How the vertex scatters.
+    pub lobes: RoughLanes<L::F>,
 }
 
 impl Wave<'_> {
@@ -61,22 +73,28 @@ impl Wave<'_> {
             if self.memory.shadows.len + LANES > SHADOWS {
                 self.trace_shadows(depth);
             }
-            let choice = carried.samplers.get_1d(depth, Purpose::LightChoice(k)).array();
-            let u = carried.samplers.get_2d(depth, Purpose::LightPoint(k)).map(|u| u.array());
-            let [point, normal] = [surface.point, surface.frame.z].map(|v| v.components().map(|x| x.array()));
-            let chosen = self.choose(active.bits(), &point, &normal, &choice, &u);
-            let valid = l.mask(chosen.valid);
-            if valid.none() {
+            let choice = carried.samplers.get_1d(depth, Purpose::LightChoice(k));
+            let u = carried.samplers.get_2d(depth, Purpose::LightPoint(k));
+            let receiver = ReceiverLanes::<L> { point: surface.point, normal: surface.frame.z };
+            let lights = &self.course.prepared.lights;
+            let chosen = if lights.lanes_can() {
+                lights.sample_lanes(l, &receiver, active, self.course.reach, choice, u, &mut self.memory.lights)
+            } else {
+                let places = [receiver.point.arrays(), receiver.normal.arrays()];
+                self.choose(active.bits(), &places, &[choice.array(), u[0].array(), u[1].array()]).lanes(l)
+            };
+            if chosen.valid.none() {
                 continue;
             }
-            let direction = chosen.vector(l, 0);
+            let direction = chosen.direction;
             let local = surface.frame.to_local(direction);
             let mut out = surface.outgoing(direction);
-            let (value, bsdf_pdf) = surface.lobes.eval(surface.wo, local);
-            let mut open = valid & out.open & value.is_not_zero();
+            let (value, bsdf_pdf) = carried.lobes.eval(surface.wo, local);
+            let mut open = chosen.valid & out.open & value.is_not_zero();
             self.tile.tally.rays.shadow += open.count() as u64;
-            let target = chosen.vector(l, 2);
-            let (points, infinite) = (l.mask(chosen.points), l.mask(chosen.infinite));
+            let (target, infinite) = (chosen.target, chosen.infinite);
+            let none = l.word(NO_TRIANGLE);
+            let points = chosen.triangle.eq(none) & !infinite;
             if points.any() {
                 // Points of a disc may lie below the horizon though its centre, which shades, does not.
                 let to = target - surface.point;
@@ -86,12 +104,12 @@ impl Wave<'_> {
                 out.above = (points & own.above) | (!points & out.above);
             }
             let on_triangle = !(points | infinite);
-            let moved = offset_point(target, chosen.vector(l, 3), chosen.vector(l, 4), out.origin - target);
+            let moved = offset_point(target, chosen.error, chosen.normal, out.origin - target);
             let end = V3::select(on_triangle, moved, target);
             let dir = V3::select(infinite, direction, end - out.origin);
             open = open & dir.is_not_zero();
-            let pdf = l.load(&chosen.pdf);
-            let mut light = carried.throughput.times(value).times(chosen.vector(l, 1));
+            let pdf = chosen.pdf;
+            let mut light = carried.throughput.times(value).times(chosen.weight);
             if settings.strategy == Strategy::Mis {
                 let shared = power_heuristic_lanes(pdf * count as f32, bsdf_pdf);
                 light = light * L::F::select(pdf.gt(l.splat(0.0)), shared, l.splat(1.0));
@@ -100,11 +118,10 @@ impl Wave<'_> {
                 light = light * l.splat(1.0 / count as f32);
             }
             let t_max = L::F::select(infinite, l.splat(f32::INFINITY), l.splat(1.0));
-            let none = l.word(NO_TRIANGLE);
             let [o, d, e] = [out.origin.components(), dir.components(), light.components()];
             let floats = [o[0], o[1], o[2], d[0], d[1], d[2], t_max, e[0], e[1], e[2]];
             let leaves = L::U::select(out.above, carried.triangle, none);
-            let words = [carried.slot, leaves, l.load_words(&chosen.triangle), l.word(k + 1)];
+            let words = [carried.slot, leaves, chosen.triangle, l.word(k + 1)];
             const { assert!(shadow::LIGHT == 7 && shadow::DRAW == 3) };
             let shadows = &mut self.memory.shadows;
             shadows.store::<L>(shadows.len, open, floats, words);
@@ -112,31 +129,26 @@ impl Wave<'_> {
         }
     }
 
-    /// Chooses a light sample for each active receiver.
+    /// Chooses a light sample for each active receiver, one after the other: where lights are of kinds that lanes cannot do.
+    /// `receivers` are points and normals, `numbers` the choice's and the point's.
     #[inline(never)]
-    fn choose(
-        &self,
-        active: u32,
-        point: &[[f32; LANES]; 3],
-        normal: &[[f32; LANES]; 3],
-        choice: &[f32; LANES],
-        u: &[[f32; LANES]; 2],
-    ) -> Chosen {
+    fn choose(&self, active: u32, receivers: &[[[f32; LANES]; 3]; 2], numbers: &[[f32; LANES]; 3]) -> Chosen {
         let prepared = self.course.prepared;
         let mut chosen = Chosen {
             vectors: [[[0.0; LANES]; 3]; 5],
             pdf: [0.0; LANES],
             triangle: [NO_TRIANGLE; LANES],
             valid: 0,
-            points: 0,
             infinite: 0,
         };
         for lane in (0..LANES).filter(|lane| active >> lane & 1 != 0) {
             let vector = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-            let receiver = Receiver { point: vector(point), normal: vector(normal), both_sides: false };
-            let (choice, u) = (choice[lane], [u[0][lane], u[1][lane]]);
+            let [point, normal] = receivers.each_ref().map(vector);
+            let receiver = Receiver { point, normal, both_sides: false };
+            let [choice, u, v] = numbers.each_ref().map(|row| row[lane]);
             let (scene, geometry) = (&prepared.scene, &prepared.geometry);
-            let Some(light) = prepared.lights.sample(scene, geometry, &receiver, self.course.reach, choice, u) else {
+            let Some(light) = prepared.lights.sample(scene, geometry, &receiver, self.course.reach, choice, [u, v])
+            else {
                 continue;
             };
             chosen.valid |= 1 << lane;
@@ -145,10 +157,7 @@ impl Wave<'_> {
             chosen.pdf[lane] = light.pdf.unwrap_or(0.0);
             match light.target {
                 Target::Infinity => chosen.infinite |= 1 << lane,
-                Target::Point(point) => {
-                    chosen.points |= 1 << lane;
-                    chosen.put(2, lane, point);
-                }
+                Target::Point(point) => chosen.put(2, lane, point),
                 Target::Triangle { triangle, point, error, normal } => {
                     chosen.triangle[lane] = triangle;
                     chosen.put(2, lane, point);

@@ -11,6 +11,7 @@ mod lanes;
 mod lights;
 mod rows;
 mod shade;
+mod smooth;
 mod surface;
 mod trace;
 
@@ -20,7 +21,7 @@ use super::medium::Inside;
 use super::tile::{SIDE, Tile};
 use super::walk::{Course, Sent, Walk};
 use super::{View, camera_ray};
-use crate::lighting::Receiver;
+use crate::lighting::{LightRoom, Receiver};
 use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
@@ -107,6 +108,7 @@ pub(super) struct Memory {
     blocked: Vec<bool>,
     endless: Vec<f32>,
     slots: Vec<Slot>,
+    lights: Box<LightRoom>,
 }
 
 impl Memory {
@@ -118,6 +120,7 @@ impl Memory {
             blocked: vec![false; SHADOWS],
             endless: vec![f32::INFINITY; PATHS],
             slots: Vec::with_capacity(PATHS),
+            lights: Box::default(),
         }
     }
 }

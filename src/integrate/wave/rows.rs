@@ -1,4 +1,4 @@
-use crate::lanes::{Floats, LANES, Lanes, Words};
+use crate::lanes::{Floats, LANES, Lanes, V3, Words};
 use glam::Vec3;
 
 /// Numbers of many paths side by side: rows of floats and rows of whole numbers, each with room for sixteen more than asked.
@@ -65,6 +65,12 @@ impl<const FLOATS: usize, const WORDS: usize> Rows<FLOATS, WORDS> {
     #[inline(always)]
     pub fn load<L: Lanes>(&self, l: L, row: usize, at: usize) -> L::F {
         l.load_at(&self.floats[row], at)
+    }
+
+    /// Sixteen vectors from entry `at` on.
+    #[inline(always)]
+    pub fn load_vector<L: Lanes>(&self, l: L, row: usize, at: usize) -> V3<L::F> {
+        V3::new(self.load(l, row, at), self.load(l, row + 1, at), self.load(l, row + 2, at))
     }
 
     /// Sixteen whole numbers from entry `at` on.

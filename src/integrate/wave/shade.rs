@@ -5,14 +5,16 @@ use super::surface::{Fetch, Surface};
 use super::{Wave, hit, path};
 use crate::geometry::emission;
 use crate::integrate::cone::OPENING;
-use crate::integrate::direct::{emission_weight, environment};
-use crate::integrate::vertex::{Place, Vertex};
+use crate::integrate::direct::{emission_weight, power_heuristic_lanes};
+use crate::integrate::material::Scattering;
+use crate::integrate::vertex::{Place, Vertex, scattering};
 use crate::integrate::walk::{Company, MOST_SURVIVAL, ROULETTE_AFTER};
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words, Work};
 use crate::math::Hit;
 use crate::prepare::Way;
 use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSamplers, Purpose};
+use crate::settings::Strategy;
 use glam::Vec3;
 
 /// Shades where the rays of all paths have ended, lets light samples wait, and sends the paths on.
@@ -26,8 +28,10 @@ pub(super) struct Shade<'a, 'b> {
 struct Sorted {
     /// Their surfaces are shaded in lanes.
     lanes: u32,
-    /// Those among them whose surfaces were fetched as vertices.
-    rough: u32,
+    /// Those among them whose triangles have normals at their corners, and lobes that are still to be found.
+    smooth: u32,
+    /// Those among them whose surfaces were made one by one.
+    made: u32,
     /// They have been visited, and go on.
     visited: u32,
 }
@@ -43,8 +47,9 @@ impl Work for Shade<'_, '_> {
         // Paths move up within the same rows: entries are written only when they have been read.
         let mut kept = 0;
         for at in (0..count).step_by(LANES) {
-            let sorted = wave.sort(depth, at, LANES.min(count - at), &mut fetch);
-            kept += wave.scatter(l, depth, at, &sorted, &fetch, kept);
+            wave.miss(l, depth, at, LANES.min(count - at));
+            let mut sorted = wave.sort(depth, at, LANES.min(count - at), &mut fetch);
+            kept += wave.scatter(l, depth, at, &mut sorted, &mut fetch, kept);
         }
         wave.memory.paths.len = kept;
     }
@@ -57,12 +62,11 @@ impl Wave<'_> {
         let course = self.course;
         let prepared = course.prepared;
         let lanes_can = course.lanes_can();
-        let mut sorted = Sorted { lanes: 0, rough: 0, visited: 0 };
+        let mut sorted = Sorted { lanes: 0, smooth: 0, made: 0, visited: 0 };
         for lane in 0..count {
             let i = at + lane;
             let triangle = self.memory.hits.word(hit::TRIANGLE, i);
             if triangle == NO_TRIANGLE {
-                self.miss(depth, i);
                 continue;
             }
             let part = &prepared.ways[prepared.geometry.part_index(triangle) as usize];
@@ -81,8 +85,15 @@ impl Wave<'_> {
             match part.way {
                 Way::Diffuse(Vec3::ZERO) => {}
                 Way::Diffuse(albedo) => {
-                    fetch.put_flat(lane, prepared, triangle, albedo);
+                    fetch.put_triangle(lane, prepared, triangle);
+                    fetch.put_albedo(lane, albedo);
                     sorted.lanes |= 1 << lane;
+                }
+                Way::Smooth => {
+                    fetch.put_triangle(lane, prepared, triangle);
+                    fetch.put_normals(lane, prepared, triangle);
+                    sorted.lanes |= 1 << lane;
+                    sorted.smooth |= 1 << lane;
                 }
                 _ => {
                     let (hit, dir) = (self.hit(i), self.memory.paths.vector(path::DIR, i));
@@ -93,9 +104,9 @@ impl Wave<'_> {
                     }
                     match vertex.rough() {
                         Some(rough) => {
-                            fetch.put_rough(lane, &rough);
+                            fetch.put_vertex(lane, &rough);
                             sorted.lanes |= 1 << lane;
-                            sorted.rough |= 1 << lane;
+                            sorted.made |= 1 << lane;
                         }
                         None => sorted.visited |= u32::from(self.scatter_one(depth, i, &vertex)) << lane,
                     }
@@ -105,21 +116,69 @@ impl Wave<'_> {
         sorted
     }
 
+    /// Finds the lobes of smooth surfaces, seen at these cosines. Paths whose surfaces scatter in ways that lanes do not know
+    /// are visited; those whose surfaces scatter nothing end.
+    #[inline(never)]
+    fn find_lobes(&mut self, depth: u32, at: usize, cosines: &[f32; LANES], sorted: &mut Sorted, fetch: &mut Fetch) {
+        let prepared = self.course.prepared;
+        for lane in (0..LANES).filter(|lane| sorted.smooth >> lane & 1 != 0) {
+            let i = at + lane;
+            let (hit, width) = (self.hit(i), self.memory.paths.float(path::WIDTH, i));
+            match scattering(prepared, &hit, cosines[lane], width) {
+                Scattering::Rough(lobes) => {
+                    fetch.put_lobes(lane, &lobes);
+                    continue;
+                }
+                Scattering::Nothing => {}
+                Scattering::Other => {
+                    let dir = self.memory.paths.vector(path::DIR, i);
+                    if let Some(place) = Place::new(prepared, &hit, dir) {
+                        let vertex = Vertex::new(prepared, &hit, place, dir, 1.0, width);
+                        let goes_on = !vertex.bsdf.is_black() && self.scatter_one(depth, i, &vertex);
+                        sorted.visited |= u32::from(goes_on) << lane;
+                    }
+                }
+            }
+            sorted.lanes &= !(1 << lane);
+        }
+    }
+
     fn hit(&self, i: usize) -> Hit {
         let hits = &self.memory.hits;
         let [t, b1, b2] = [hit::T, hit::B1, hit::B2].map(|row| hits.float(row, i));
         Hit { t, triangle: hits.word(hit::TRIANGLE, i), b1, b2 }
     }
 
-    /// Light from beyond the scene.
-    fn miss(&mut self, depth: u32, i: usize) {
-        if depth == 0 && !self.course.show_environment {
+    /// Light from beyond the scene, for those of sixteen paths that have left it.
+    #[inline(always)]
+    fn miss<L: Lanes>(&mut self, l: L, depth: u32, at: usize, count: usize) {
+        let course = self.course;
+        let lights = &course.prepared.lights;
+        if lights.environment.is_none() || depth == 0 && !course.show_environment {
             return;
         }
-        let walk = self.memory.walk(i);
-        let course = self.course;
-        let light = environment(course.prepared, course.settings, course.reach, &walk.sent, walk.dir);
-        self.slot(i).radiance += walk.throughput * light;
+        let gone = self.memory.hits.load_words(l, hit::TRIANGLE, at).eq(l.word(NO_TRIANGLE)) & l.first(count);
+        if gone.none() {
+            return;
+        }
+        let paths = &self.memory.paths;
+        let dir = paths.load_vector(l, path::DIR, at);
+        let (mut light, light_pdf) = lights.environment_lanes(l, dir, course.reach);
+        let (pdf, zero) = (paths.load(l, path::PDF, at), l.splat(0.0));
+        let light_pdf = light_pdf * course.settings.light_samples.max(1) as f32;
+        match course.settings.strategy {
+            Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf => {}
+            Strategy::Light => light = light.only(pdf.eq(zero)),
+            Strategy::Mis => {
+                let shared = pdf.gt(zero) & light_pdf.gt(zero);
+                light = light * L::F::select(shared, power_heuristic_lanes(pdf, light_pdf), l.splat(1.0));
+            }
+        }
+        let light = paths.load_vector(l, path::THROUGHPUT, at).times(light).arrays();
+        let gone = gone.bits();
+        for lane in (0..count).filter(|lane| gone >> lane & 1 != 0) {
+            self.slot(at + lane).radiance += Vec3::new(light[0][lane], light[1][lane], light[2][lane]);
+        }
     }
 
     /// Light that a surface emits.
@@ -180,33 +239,50 @@ impl Wave<'_> {
 
     /// Scatters the paths whose surfaces were fetched, and moves all that go on up to `kept`; how many they are.
     #[inline(always)]
-    fn scatter<L: Lanes>(&mut self, l: L, depth: u32, at: usize, sorted: &Sorted, fetch: &Fetch, kept: usize) -> usize {
+    fn scatter<L: Lanes>(
+        &mut self,
+        l: L,
+        depth: u32,
+        at: usize,
+        sorted: &mut Sorted,
+        fetch: &mut Fetch,
+        kept: usize,
+    ) -> usize {
         if sorted.lanes | sorted.visited == 0 {
             return 0;
         }
+        let mut surface = None;
+        if sorted.lanes != 0 {
+            let (paths, hits) = (&self.memory.paths, &self.memory.hits);
+            let dir = paths.load_vector(l, path::DIR, at);
+            let b = [hits.load(l, hit::B1, at), hits.load(l, hit::B2, at)];
+            let own: Surface<L> = fetch.surface(l, dir, b, [l.mask(sorted.smooth), l.mask(sorted.made)]);
+            if sorted.smooth != 0 {
+                self.find_lobes(depth, at, &own.wo.z.array(), sorted, fetch);
+            }
+            surface = Some(own);
+        }
         let active = l.mask(sorted.lanes);
-        let visited = l.mask(sorted.visited);
-        let (paths, hits) = (&self.memory.paths, &self.memory.hits);
-        let (mut floats, mut words) = paths.load_all(l, at);
-        let mut goes_on = visited;
+        let (mut floats, mut words) = self.memory.paths.load_all(l, at);
+        let mut goes_on = l.mask(sorted.visited);
         let kind = self.course.settings.sampler;
         if active.any()
+            && let Some(surface) = surface
             && let Some(samplers) = PathSamplers::<L>::new(kind, words[path::KEY], words[path::INDEX])
         {
-            let dir = vector::<L>(&floats, path::DIR);
-            let (b1, b2) = (hits.load(l, hit::B1, at), hits.load(l, hit::B2, at));
-            let surface: Surface<L> = fetch.surface(l, dir, b1, b2, l.mask(sorted.rough));
+            let hits = &self.memory.hits;
+            let lobes = fetch.lobes(l, active);
             let throughput = vector::<L>(&floats, path::THROUGHPUT);
             let triangle = hits.load_words(l, hit::TRIANGLE, at);
-            let carried = Carried { throughput, slot: words[path::SLOT], triangle, samplers };
+            let carried = Carried { throughput, slot: words[path::SLOT], triangle, samplers, lobes };
             if self.course.prepared.lights.any(self.course.reach) {
                 self.sample_lights(l, depth, active, &surface, &carried);
             }
             let u = samplers.get_2d(depth, Purpose::Direction);
-            let chosen = surface.lobes.reflects;
+            let chosen = lobes.reflects;
             let u_lobe = if chosen { samplers.get_1d(depth, Purpose::Lobe) } else { l.splat(0.0) };
-            let local = surface.lobes.sample(surface.wo, u_lobe, u);
-            let (value, pdf) = surface.lobes.eval(surface.wo, local);
+            let local = lobes.sample(surface.wo, u_lobe, u);
+            let (value, pdf) = lobes.eval(surface.wo, local);
             let weight = value * (l.splat(1.0) / pdf);
             let mut throughput = throughput.times(weight);
             let mut on = active & pdf.gt(l.splat(0.0)) & weight.is_finite() & value.is_not_zero();

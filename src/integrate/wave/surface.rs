@@ -1,11 +1,12 @@
 //! What shading in lanes knows of the surfaces that sixteen rays hit.
 
 use super::lanes::{FrameLanes, offset_point};
+use super::smooth::Corners;
 use crate::integrate::vertex::RoughVertex;
-use crate::lanes::{Floats, LANES, Lanes, V3};
+use crate::lanes::{Floats, LANES, Lanes, Mask, V3};
 use crate::math::float_error::gamma;
 use crate::prepare::PreparedScene;
-use crate::shading::RoughLanes;
+use crate::shading::{RoughLanes, RoughLobes};
 use glam::Vec3;
 
 /// Sixteen surface points that scatter diffusely or by rough reflection, as seen by a path.
@@ -20,7 +21,6 @@ pub(super) struct Surface<L: Lanes> {
     pub frame: FrameLanes<L::F>,
     /// Unit vector to the viewer in the frame.
     pub wo: V3<L::F>,
-    pub lobes: RoughLanes<L::F>,
 }
 
 /// How rays leave sixteen points.
@@ -62,71 +62,123 @@ impl<const N: usize> Fetched<N> {
 
 /// Room for what is fetched.
 pub(super) struct Fetch {
-    /// Corners, normal and albedo.
-    flat: Fetched<15>,
-    /// Point, error, normal, shading normal, albedo, both reflectances, α and the share of the diffuse lobe.
-    rough: Fetched<23>,
+    /// Corners and normal of triangles.
+    triangle: Fetched<12>,
+    /// Normals at the corners.
+    normals: Fetched<9>,
+    /// Point, error, normal and shading normal of vertices that were made one by one.
+    vertex: Fetched<12>,
     /// Which of the latter are lifted.
     lifted: u32,
+    /// Albedo, both reflectances, α and the share of the diffuse lobe.
+    lobes: Fetched<11>,
 }
 
 impl Fetch {
     pub fn new() -> Self {
-        Self { flat: Fetched([[0.0; LANES]; 15]), rough: Fetched([[0.0; LANES]; 23]), lifted: 0 }
+        let (triangle, normals) = (Fetched([[0.0; LANES]; 12]), Fetched([[0.0; LANES]; 9]));
+        let (vertex, lobes) = (Fetched([[0.0; LANES]; 12]), Fetched([[0.0; LANES]; 11]));
+        Self { triangle, normals, vertex, lifted: 0, lobes }
     }
 
-    /// Fetches a flat, diffuse triangle for a lane.
+    /// Fetches a triangle for a lane.
     #[inline]
-    pub fn put_flat(&mut self, lane: usize, prepared: &PreparedScene, triangle: u32, albedo: Vec3) {
+    pub fn put_triangle(&mut self, lane: usize, prepared: &PreparedScene, triangle: u32) {
         for (k, corner) in prepared.geometry.corners(triangle).into_iter().enumerate() {
-            self.flat.put(3 * k, lane, corner);
+            self.triangle.put(3 * k, lane, corner);
         }
-        self.flat.put(9, lane, prepared.geometry.unit_normal(triangle));
-        self.flat.put(12, lane, albedo);
+        self.triangle.put(9, lane, prepared.geometry.unit_normal(triangle));
     }
 
-    /// Fetches a vertex for a lane.
-    pub fn put_rough(&mut self, lane: usize, v: &RoughVertex) {
-        let vectors =
-            [v.point, v.error, v.normal, v.shading, v.lobes.albedo.into(), v.lobes.f0.into(), v.lobes.f90.into()];
-        for (k, vector) in vectors.into_iter().enumerate() {
-            self.rough.put(3 * k, lane, vector);
+    /// Fetches the normals at a triangle's corners.
+    #[inline]
+    pub fn put_normals(&mut self, lane: usize, prepared: &PreparedScene, triangle: u32) {
+        let normals = prepared.geometry.corner_normals(triangle).unwrap_or_default();
+        for (k, normal) in normals.into_iter().enumerate() {
+            self.normals.put(3 * k, lane, normal);
         }
-        self.rough.0[21][lane] = v.lobes.alpha;
-        self.rough.0[22][lane] = v.lobes.diffuse_share;
+    }
+
+    /// Puts down a diffuse lobe.
+    #[inline]
+    pub fn put_albedo(&mut self, lane: usize, albedo: Vec3) {
+        self.put_lobes(lane, &RoughLobes::lambert(albedo));
+    }
+
+    /// Puts down the lobes of a lane.
+    #[inline]
+    pub fn put_lobes(&mut self, lane: usize, lobes: &RoughLobes) {
+        for (k, colour) in [lobes.albedo, lobes.f0, lobes.f90].into_iter().enumerate() {
+            self.lobes.put(3 * k, lane, colour.into());
+        }
+        self.lobes.0[9][lane] = lobes.alpha;
+        self.lobes.0[10][lane] = lobes.diffuse_share;
+    }
+
+    /// Puts down a vertex for a lane.
+    pub fn put_vertex(&mut self, lane: usize, v: &RoughVertex) {
+        for (k, vector) in [v.point, v.error, v.normal, v.shading].into_iter().enumerate() {
+            self.vertex.put(3 * k, lane, vector);
+        }
         self.lifted = self.lifted & !(1 << lane) | u32::from(v.lifted) << lane;
+        self.put_lobes(lane, &v.lobes);
     }
 
-    /// The surfaces at hits with the weights `b1` and `b2`, seen along `dir`: where `rough` says so those fetched as
-    /// vertices, else flat ones.
+    /// The surfaces at hits with the weights `b1` and `b2`, seen along `dir`, without their lobes: flat ones, those with normals
+    /// at their corners where `smooth`, and those that are vertices already where `made`.
     #[inline(always)]
-    pub fn surface<L: Lanes>(&self, l: L, dir: V3<L::F>, b1: L::F, b2: L::F, rough: L::M) -> Surface<L> {
-        use crate::lanes::Mask;
+    pub fn surface<L: Lanes>(&self, l: L, dir: V3<L::F>, [b1, b2]: [L::F; 2], [smooth, made]: [L::M; 2]) -> Surface<L> {
         let mut surface = self.flat(l, dir, b1, b2);
-        if rough.any() {
-            surface.point = V3::select(rough, self.rough.vector(l, 0), surface.point);
-            surface.error = V3::select(rough, self.rough.vector(l, 3), surface.error);
-            surface.normal = V3::select(rough, self.rough.vector(l, 6), surface.normal);
-            surface.frame = FrameLanes::from_normal(V3::select(rough, self.rough.vector(l, 9), surface.frame.z));
-            surface.lobes.albedo = V3::select(rough, self.rough.vector(l, 12), surface.lobes.albedo);
-            (surface.lobes.f0, surface.lobes.f90) = (self.rough.vector(l, 15), self.rough.vector(l, 18));
-            surface.lobes.alpha = l.load(&self.rough.0[21]);
-            let share = L::F::select(rough, l.load(&self.rough.0[22]), l.splat(1.0));
-            surface.lobes.diffuse_share = share;
-            surface.lobes.reflects = share.lt(l.splat(1.0)).any();
-            surface.lifted = l.mask(self.lifted) & rough;
+        let mut shading = surface.normal;
+        if smooth.any() {
+            let corners = Corners::<L> {
+                dir,
+                point: surface.point,
+                error: surface.error,
+                outward: self.triangle.vector(l, 9),
+                normal: surface.normal,
+                positions: [self.triangle.vector(l, 0), self.triangle.vector(l, 3), self.triangle.vector(l, 6)],
+                normals: [self.normals.vector(l, 0), self.normals.vector(l, 3), self.normals.vector(l, 6)],
+                b: [l.splat(1.0) - b1 - b2, b1, b2],
+            };
+            let own = corners.smooth(l);
+            surface.lifted = own.lifted & smooth;
+            surface.point = V3::select(surface.lifted, surface.point + own.lift, surface.point);
+            shading = V3::select(smooth, own.shading, shading);
         }
+        if made.any() {
+            surface.point = V3::select(made, self.vertex.vector(l, 0), surface.point);
+            surface.error = V3::select(made, self.vertex.vector(l, 3), surface.error);
+            surface.normal = V3::select(made, self.vertex.vector(l, 6), surface.normal);
+            shading = V3::select(made, self.vertex.vector(l, 9), shading);
+            surface.lifted = surface.lifted & !made | l.mask(self.lifted) & made;
+        }
+        surface.frame = FrameLanes::from_normal(shading);
         surface.wo = surface.frame.to_local(-dir);
         surface
+    }
+
+    /// The lobes that were put down.
+    #[inline(always)]
+    pub fn lobes<L: Lanes>(&self, l: L, active: L::M) -> RoughLanes<L::F> {
+        let diffuse_share = l.load(&self.lobes.0[10]);
+        RoughLanes {
+            albedo: self.lobes.vector(l, 0),
+            f0: self.lobes.vector(l, 3),
+            f90: self.lobes.vector(l, 6),
+            alpha: l.load(&self.lobes.0[9]),
+            diffuse_share,
+            reflects: (diffuse_share.lt(l.splat(1.0)) & active).any(),
+        }
     }
 
     /// As `Place` and `Vertex` have it.
     #[inline(always)]
     fn flat<L: Lanes>(&self, l: L, dir: V3<L::F>, b1: L::F, b2: L::F) -> Surface<L> {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
-        let [c0, c1, c2]: [V3<L::F>; 3] = [self.flat.vector(l, 0), self.flat.vector(l, 3), self.flat.vector(l, 6)];
-        let [p0, p1, p2] = [c0 * (one - b1 - b2), c1 * b1, c2 * b2];
-        let outward = self.flat.vector(l, 9);
+        let (c0, c1, c2) = (self.triangle.vector(l, 0), self.triangle.vector(l, 3), self.triangle.vector(l, 6));
+        let (p0, p1, p2) = (c0 * (one - b1 - b2), c1 * b1, c2 * b2);
+        let outward = self.triangle.vector(l, 9);
         let normal = V3::select(dir.dot(outward).lt(zero), outward, -outward);
         let extent = extent(c0.x, c1.x, c2.x).max(extent(c0.y, c1.y, c2.y)).max(extent(c0.z, c1.z, c2.z));
         let neighbours = extent * gamma(15);
@@ -136,16 +188,8 @@ impl Fetch {
             error: rounding + V3::splat(neighbours),
             normal,
             lifted: l.mask(0),
-            frame: FrameLanes::from_normal(normal),
-            wo: -dir,
-            lobes: RoughLanes {
-                albedo: self.flat.vector(l, 12),
-                alpha: one,
-                f0: V3::splat(zero),
-                f90: V3::splat(zero),
-                diffuse_share: one,
-                reflects: false,
-            },
+            frame: FrameLanes { x: normal, y: normal, z: normal },
+            wo: dir,
         }
     }
 }
