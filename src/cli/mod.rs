@@ -3,6 +3,7 @@
 mod batch;
 mod check;
 mod compare;
+mod config;
 mod console;
 mod exit;
 mod folders;
@@ -11,6 +12,7 @@ mod inspect;
 mod interrupt;
 mod isolation;
 mod looks;
+mod manual;
 mod options;
 mod plan;
 mod progress;
@@ -19,9 +21,12 @@ mod render;
 mod replay;
 mod study;
 mod summary;
+mod thumbnail;
 mod worker;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use console::print_line;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 const ABOUT: &str = "Turns folders of 3D assets into path-traced pictures";
@@ -43,6 +48,15 @@ Exit codes: 0 all done, 1 failed, 2 usage, 3 done in part, 130 interrupted";
 #[derive(Parser)]
 #[command(name = "kiln", version, about = ABOUT, after_help = EXAMPLES, max_term_width = 110)]
 struct Cli {
+    /// Flags from this file [default: kiln.toml in the current folder or the nearest one above it]
+    #[arg(long, global = true, value_name = "FILE", help_heading = "Configuration")]
+    config: Option<PathBuf>,
+    /// No flags from a file
+    #[arg(long, global = true, conflicts_with = "config", help_heading = "Configuration")]
+    no_config: bool,
+    /// Print the flags as they count and where each comes from, and do nothing else
+    #[arg(long, global = true, help_heading = "Configuration")]
+    print_config: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -65,6 +79,12 @@ enum Command {
     Compare(compare::CompareCommand),
     /// Render scenes whose light is known and compare
     Check(check::CheckCommand),
+    /// Make a thumbnail of an asset, for file managers
+    Thumbnail(thumbnail::ThumbnailCommand),
+    /// Print the completions of a shell
+    Completions(manual::CompletionsCommand),
+    /// Print a page of the manual
+    Man(manual::ManCommand),
     /// Do jobs from standard input (what batch starts for itself)
     #[command(hide = true)]
     Worker(worker::WorkerCommand),
@@ -72,7 +92,16 @@ enum Command {
 
 /// Parses the arguments, does what they ask for and gives the exit code.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let arguments = match config::arguments(std::env::args_os().collect()) {
+        Ok(arguments) => arguments,
+        Err(error) => return error.report().into(),
+    };
+    let matches = Cli::command().get_matches_from(&arguments.list);
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
+    if cli.print_config {
+        print_line(&arguments.text(&matches));
+        return exit::Exit::Done.into();
+    }
     // What panics is told in the outcome; the default hook's text would garble the progress bars.
     std::panic::set_hook(Box::new(|info| {
         if std::env::var_os("RUST_BACKTRACE").is_some() {
@@ -88,6 +117,9 @@ pub fn main() -> ExitCode {
         Command::Gallery(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Check(command) => command.run(),
+        Command::Thumbnail(command) => command.run(),
+        Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(),
         Command::Worker(command) => command.run(),
     };
     done.unwrap_or_else(|error| error.report()).into()

@@ -118,6 +118,7 @@ pub struct SettingOptions {
     pub json: bool,
 }
 
+/// A number greater than 0.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
     number.ok_or_else(|| format!("'{text}' is not a number greater than 0"))

@@ -4,6 +4,7 @@
 
 mod batch;
 mod compare;
+mod config;
 mod determinism;
 mod gallery;
 mod inspect;
