@@ -11,7 +11,7 @@ pub use environment::{EnvironmentFile, EnvironmentSettings};
 pub use goal::{Goal, MOST_SPP, Preset};
 pub use look::LookSettings;
 pub use path_text::PathText;
-pub use pictures::{Background, BitDepth, Exposure, PictureFormat, PictureSettings, ToneMap};
+pub use pictures::{Background, BitDepth, Exposure, Layer, PictureFormat, PictureSettings, ToneMap};
 pub use views::{CameraChoice, FixedView, UpChoice, ViewSettings};
 
 use serde::{Deserialize, Serialize};

@@ -8,15 +8,19 @@ use super::sink::{FileSink, Sink};
 use super::stages::{StageClock, peak_bytes};
 use super::{Job, Outcome, SceneFacts, Stage, Status, digest, exposure, looks};
 use crate::accuracy::{Display, Ended, Finished, Progressive};
-use crate::integrate::{PassTally, View};
+use crate::film::Surfaces;
+use crate::integrate::{PassTally, View, surfaces};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
-use crate::settings::{EnvironmentSettings, Exposure, PictureFormat, PrepareSettings};
+use crate::settings::{EnvironmentSettings, Exposure, PictureFormat, PrepareSettings, Settings};
 use kiln_formats::{Control, ErrorCode, Format, Scene, Stopped, Warning};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// Rays that a path takes, about: what is planned for does not have to be exact.
 const RAYS_PER_PATH: u64 = 6;
+
+/// Camera rays of a pixel behind the layers that tell of surfaces, at most.
+const MOST_SURFACE_SAMPLES: u32 = 64;
 
 /// What surrounds a job.
 pub struct Desk<'a> {
@@ -86,8 +90,8 @@ impl Work<'_> {
         let (prepared, views, exposure) = self.make_ready()?;
         let mut all = Ended::Samples;
         for index in 0..views.len() {
-            let (ended, finished) = self.render(&prepared, &views, index, exposure)?;
-            self.write(&finished, index as u32, exposure)?;
+            let (ended, finished, surfaces) = self.render(&prepared, &views, index, exposure)?;
+            self.write(&finished, &surfaces, index as u32, exposure)?;
             if ended? == Ended::Deadline {
                 all = Ended::Deadline;
             }
@@ -99,6 +103,17 @@ impl Work<'_> {
         Ok(all)
     }
 
+    /// Looks at what lies at a view's pixels, if that is asked for.
+    fn surfaces(&mut self, prepared: &PreparedScene, view: &View) -> Result<Surfaces, Stopped> {
+        let Settings { render, pictures, .. } = &self.job.settings;
+        if pictures.layers.is_empty() || !pictures.formats.contains(&PictureFormat::Exr) {
+            return Ok(Surfaces::default());
+        }
+        let (surfaces, tally) = surfaces(prepared, view, render, render.spp.min(MOST_SURFACE_SAMPLES), self.control)?;
+        self.count(&tally, None);
+        Ok(surfaces)
+    }
+
     /// Renders a view, pass by pass. Stopped after the first pass, it gives the picture so far.
     fn render(
         &mut self,
@@ -106,11 +121,12 @@ impl Work<'_> {
         views: &[View],
         index: usize,
         exposure: f64,
-    ) -> Result<(Result<Ended, Stopped>, Finished), Failure> {
+    ) -> Result<(Result<Ended, Stopped>, Finished, Surfaces), Failure> {
         self.begin(Stage::Render { view: index as u32, views: views.len() as u32 });
         let clock = StageClock::begin();
         let settings = &self.job.settings;
         let display = Display::new(&settings.pictures, exposure);
+        let surfaces = self.surfaces(prepared, &views[index])?;
         let mut progressive = Progressive::new(prepared, &views[index], &settings.render, &settings.goal, display);
         let ended = progressive.step(self.control)?;
         if ended.is_none() && index == 0 && self.budget.affords_trial() {
@@ -119,6 +135,7 @@ impl Work<'_> {
                 film: progressive.film(),
                 accuracy: progressive.accuracy(),
                 tally: progressive.tally(),
+                surfaces: &surfaces,
                 view: 0,
                 exposure,
             };
@@ -132,7 +149,7 @@ impl Work<'_> {
         let finished = progressive.finish();
         self.count(&finished.tally, Some(index as u32));
         self.outcome.seconds.render += clock.seconds().0;
-        Ok((ended, finished))
+        Ok((ended, finished, surfaces))
     }
 
     /// All that comes before the pictures: the scene, its views and their exposure.
@@ -265,11 +282,11 @@ impl Work<'_> {
     }
 
     /// Encodes and writes one view in every format.
-    fn write(&mut self, finished: &Finished, index: u32, exposure: f64) -> Result<(), Failure> {
+    fn write(&mut self, finished: &Finished, surfaces: &Surfaces, index: u32, exposure: f64) -> Result<(), Failure> {
         self.begin(Stage::Write);
         let clock = StageClock::begin();
         let Finished { film, tally, accuracy } = finished;
-        let shot = Shot { film, accuracy: *accuracy, tally, view: index, exposure };
+        let shot = Shot { film, accuracy: *accuracy, tally, surfaces, view: index, exposure };
         for file in shot.encode(self.job, self.outcome).map_err(|e| Failure::new("unwritable", e))? {
             let put = self.desk.sink.put(&file.path, file.bytes);
             put.map_err(|e| Failure::unwritable(&file.record.path, &e))?;

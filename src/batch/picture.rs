@@ -1,6 +1,6 @@
 use super::{Job, Outcome, OutputRecord, job};
 use crate::accuracy::Accuracy;
-use crate::film::Film;
+use crate::film::{Film, Surfaces};
 use crate::integrate::PassTally;
 use crate::settings::PictureFormat;
 use crate::write::{Metadata, StatedError, display, exr, png};
@@ -11,6 +11,8 @@ pub(super) struct Shot<'a> {
     pub film: &'a Film,
     pub accuracy: Option<Accuracy>,
     pub tally: &'a PassTally,
+    /// What further layers are made of.
+    pub surfaces: &'a Surfaces,
     /// Which of the asset's views, from 0.
     pub view: u32,
     /// EV.
@@ -44,7 +46,9 @@ impl Shot<'_> {
                 png::encode(&displayed, p.bits, &metadata).map_err(|e| e.to_string())?
             }
             PictureFormat::Exr => {
-                exr::encode_with_noise(&picture, &self.film.noise(), &metadata).map_err(|e| e.to_string())?
+                let (noise, layers) = (self.film.noise(), &settings.pictures.layers);
+                exr::encode_with_layers(&picture, &noise, self.surfaces, layers, &metadata)
+                    .map_err(|e| e.to_string())?
             }
         };
         let path = job.output.picture(settings.views.turntable.map(|_| self.view), format);

@@ -3,9 +3,9 @@ use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::settings::{
-    Background, BitDepth, CameraChoice, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder, LookSettings,
-    MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset, RenderSettings, SamplerKind, Settings, SimdTier,
-    Strategy, ToneMap, UpChoice, ViewSettings,
+    Background, BitDepth, CameraChoice, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder, Layer,
+    LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset, RenderSettings, SamplerKind,
+    Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
 };
 use std::path::PathBuf;
 
@@ -30,6 +30,9 @@ pub struct SettingOptions {
     /// Bits per channel of PNG files
     #[arg(long, value_enum, default_value_t, help_heading = "Pictures")]
     bits: BitDepth,
+    /// Further layers of EXR files: what the first surfaces are; objects and materials as Cryptomatte
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LAYER", help_heading = "Pictures")]
+    layers: Vec<Layer>,
 
     /// The asset's camera with this name or index, or auto [default: the asset's first, auto without one]
     #[arg(long, value_name = "NAME|auto", help_heading = "View and light", conflicts_with_all = ["view", "turntable"])]
@@ -124,6 +127,13 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("'{text}' is not a number greater than 0"))
 }
 
+/// Each once, in one order.
+fn sorted<T: Ord>(mut list: Vec<T>) -> Vec<T> {
+    list.sort_unstable();
+    list.dedup();
+    list
+}
+
 fn radius(text: &str) -> Result<f64, String> {
     let radius = text.parse::<f64>().ok().filter(|r| r.is_finite() && *r > 0.0);
     radius.ok_or_else(|| format!("'{text}' is not a radius: a number greater than 0"))
@@ -146,8 +156,7 @@ impl SettingOptions {
             Integrator::Whitted => 5,
         };
         let (goal, spp) = self.goal();
-        formats.sort_unstable();
-        formats.dedup();
+        formats = sorted(formats);
         let environment = self.env.clone().or_else(|| file.as_ref().map(|f| f.environment.clone()));
         let background = self.background.or_else(|| file.as_ref().map(|f| f.background));
         Ok(Settings {
@@ -185,6 +194,7 @@ impl SettingOptions {
                 background: background.unwrap_or_default(),
                 bits: self.bits,
                 formats,
+                layers: sorted(self.layers.clone()),
             },
         })
     }

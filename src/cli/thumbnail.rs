@@ -2,6 +2,7 @@ use super::exit::{Exit, Fatal};
 use clap::{Args, value_parser};
 use kiln::Control;
 use kiln::batch::{Desk, Job, MemorySink, Output, run_asset_with};
+use kiln::formats::Limits;
 use kiln::settings::{Goal, PictureFormat, PictureSettings, Preset, RenderSettings, Settings, ViewSettings};
 use kiln::write::atomic;
 use std::path::PathBuf;
@@ -42,6 +43,7 @@ impl ThumbnailCommand {
             name: self.asset.clone(),
             input,
             root: None,
+            limits: Limits::default(),
             output: Output { folder: PathBuf::new(), stem: "thumbnail".into(), ending: None },
             settings: Settings {
                 views: ViewSettings { width: self.size, height: self.size, ..ViewSettings::default() },

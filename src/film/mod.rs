@@ -1,6 +1,9 @@
 //! Where samples are gathered.
 
+mod surfaces;
+
 use crate::sampling::REPLICATES;
+pub use surfaces::{Identity, RANKS, Surfaces};
 
 /// A finished picture: linear, premultiplied RGBA, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]

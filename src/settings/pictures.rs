@@ -120,6 +120,23 @@ impl PictureFormat {
     }
 }
 
+/// What an EXR file has beside the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum Layer {
+    /// Base or diffuse colour of the first surface.
+    Albedo,
+    /// Its shading normal, world space.
+    Normal,
+    /// Its distance along the camera's axis, world units.
+    Depth,
+    /// Which object it is, as Cryptomatte.
+    Object,
+    /// Which material, as Cryptomatte.
+    Material,
+}
+
 /// From light to files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PictureSettings {
@@ -133,6 +150,9 @@ pub struct PictureSettings {
     pub bits: BitDepth,
     /// The files written for each view.
     pub formats: Vec<PictureFormat>,
+    /// Further layers (EXR).
+    #[serde(default)]
+    pub layers: Vec<Layer>,
 }
 
 impl Default for PictureSettings {
@@ -143,6 +163,7 @@ impl Default for PictureSettings {
             background: Background::default(),
             bits: BitDepth::default(),
             formats: vec![PictureFormat::Png, PictureFormat::Exr],
+            layers: Vec::new(),
         }
     }
 }

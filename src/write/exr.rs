@@ -1,7 +1,9 @@
 //! OpenEXR files: linear Rec. 709 radiance, 32-bit float, premultiplied by the coverage in A.
 
 use super::Metadata;
-use crate::film::{Noise, Picture};
+use super::layers::{self, Layers};
+use crate::film::{Noise, Picture, Surfaces};
+use crate::settings;
 use ::exr::error::Error;
 use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::*;
@@ -13,7 +15,7 @@ use std::io::Cursor;
 /// # Errors
 /// When the picture is too large for the format.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> std::result::Result<Vec<u8>, Error> {
-    encode_channels(picture, beauty(picture), metadata)
+    encode_channels(picture, Layers::from(beauty(picture)), metadata)
 }
 
 /// As [`encode`], with the layers `variance` (R, G, B, float: of the linear premultiplied pixel; left out where it is not
@@ -22,6 +24,21 @@ pub fn encode(picture: &Picture, metadata: &Metadata) -> std::result::Result<Vec
 /// # Errors
 /// As [`encode`].
 pub fn encode_with_noise(picture: &Picture, noise: &Noise, metadata: &Metadata) -> std::result::Result<Vec<u8>, Error> {
+    encode_with_layers(picture, noise, &Surfaces::default(), &[], metadata)
+}
+
+/// As [`encode_with_noise`], with the layers of `wanted` from `surfaces`: `albedo` (R, G, B), `normal` (X, Y, Z), `depth` (Z),
+/// and Cryptomattes of objects and materials.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_with_layers(
+    picture: &Picture,
+    noise: &Noise,
+    surfaces: &Surfaces,
+    wanted: &[settings::Layer],
+    metadata: &Metadata,
+) -> std::result::Result<Vec<u8>, Error> {
     let mut channels = beauty(picture);
     if let Some(variance) = &noise.variance {
         for (c, name) in ["variance.R", "variance.G", "variance.B"].into_iter().enumerate() {
@@ -33,36 +50,35 @@ pub fn encode_with_noise(picture: &Picture, noise: &Noise, metadata: &Metadata) 
     let mut samples = AnyChannel::new("samples", FlatSamples::U32(noise.samples.clone()));
     samples.quantize_linearly = true;
     channels.push(samples);
-    encode_channels(picture, channels, metadata)
+    let mut all = Layers::from(channels);
+    wanted.iter().for_each(|layer| all.add(*layer, surfaces));
+    encode_channels(picture, all, metadata)
 }
 
-fn beauty(picture: &Picture) -> SmallVec<[AnyChannel<FlatSamples>; 4]> {
+fn beauty(picture: &Picture) -> layers::Channels {
     let channel = |(c, name): (usize, &str)| {
         AnyChannel::new(name, FlatSamples::F32(picture.pixels.iter().map(|p| p[c]).collect()))
     };
     ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect()
 }
 
-fn encode_channels(
-    picture: &Picture,
-    channels: SmallVec<[AnyChannel<FlatSamples>; 4]>,
-    metadata: &Metadata,
-) -> std::result::Result<Vec<u8>, Error> {
+fn encode_channels(picture: &Picture, layers: Layers, metadata: &Metadata) -> std::result::Result<Vec<u8>, Error> {
     let size = (picture.width as usize, picture.height as usize);
     let attributes = LayerAttributes {
         software_name: Text::new_or_none(&metadata.software),
         // One JSON text: the crate writes a map of attributes in random order, which would vary the bytes.
         comments: serde_json::to_string(metadata).ok().as_deref().and_then(Text::new_or_none),
+        other: layers.attributes,
         ..LayerAttributes::default()
     };
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels));
+    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(layers.channels));
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = Some(REC_709);
     let mut bytes = Cursor::new(Vec::new());
     image.write().non_parallel().to_buffered(&mut bytes)?;
-    Ok(bytes.into_inner())
+    Ok(layers::with_sorted_attributes(bytes.into_inner()))
 }
 
 /// Primaries and white point (D65) of Rec. 709.

@@ -1,8 +1,10 @@
 //! From pictures to files: exposure, tone mapping, PNG and EXR, and files that are whole or absent.
 
 pub mod atomic;
+mod cryptomatte;
 pub mod display;
 pub mod exr;
+mod layers;
 mod metadata;
 pub mod png;
 pub mod srgb;

@@ -10,6 +10,7 @@ mod gallery;
 mod inspect;
 mod interrupt;
 mod isolation;
+mod layers;
 mod looks;
 mod plan;
 mod quality;
