@@ -152,7 +152,7 @@ function figures(a) {
       row("Effects", a.effects.length ? a.effects.map(e => el("span", { class: "chip", text: e })) : null),
       row("Rays", a.rays && short(camera + bounce + shadow), a.rays && `${short(camera)} camera, ${short(bounce)} bounce, ${short(shadow)} shadow`),
       row("Not finite", a.nonfinite ? plural(a.nonfinite, "sample") : null, "dropped"),
-      row("Peak memory", a.peak && bytes(a.peak), "of the process so far"),
+      row("Peak memory", a.peak && bytes(a.peak)),
     )),
     section("Files", links(a), list(row("Seed", String(a.seed ?? 0)), row("Content", a.content && el("code", { text: a.content })))),
   );
