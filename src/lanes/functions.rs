@@ -21,8 +21,13 @@ pub fn sin_cos_turns<F: Floats>(turns: F) -> (F, F) {
     let (sin, cos) = sin_cos_small((turns - quarters * 0.25) * TAU);
     let quarter = quarters.truncate();
     let odd = (quarter & 1).eq(quarter.fill(1));
-    let flip = |x: F, bits: F::Words| (x.to_bits() ^ (bits & 2).shl::<30>()).from_bits();
-    (flip(F::select(odd, cos, sin), quarter), flip(F::select(odd, sin, cos), quarter + 1))
+    (flipped(F::select(odd, cos, sin), quarter), flipped(F::select(odd, sin, cos), quarter + 1))
+}
+
+/// With the sign that bit 1 of `bits` turns.
+#[inline(always)]
+fn flipped<F: Floats>(x: F, bits: F::Words) -> F {
+    (x.to_bits() ^ (bits & 2).shl::<30>()).from_bits()
 }
 
 /// The angle of (x, y) in (−π, π]; 0 for (0, 0).

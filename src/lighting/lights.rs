@@ -250,8 +250,14 @@ impl Lights {
     /// The solid angle density with which [`Lights::sample`] makes the direction to a place of the environment's picture.
     pub fn pdf_environment(&self, uv: [f32; 2], reach: LightReach) -> f32 {
         let Some(environment) = &self.environment else { return 0.0 };
+        let share = self.environment_share(reach);
+        if share > 0.0 { environment.pdf_at(uv) * share } else { 0.0 }
+    }
+
+    /// The probability with which [`Lights::sample`] chooses the environment.
+    pub(super) fn environment_share(&self, reach: LightReach) -> f32 {
         let (count, group) = (self.reach(reach), self.global + 2);
-        if count <= group { 0.0 } else { environment.pdf_at(uv) * self.choice.probability(group, count) }
+        if count <= group { 0.0 } else { self.choice.probability(group, count) }
     }
 }
 

@@ -226,8 +226,8 @@ impl Lights {
     /// Radiance of the environment along unit vectors, and the density with which light samples make them.
     #[inline(always)]
     pub fn environment_lanes<L: Lanes>(&self, l: L, dir: V3<L::F>, reach: LightReach) -> (V3<L::F>, L::F) {
-        let part = self.lanes.as_ref().and_then(|t| t.parts(reach).get(self.global + 2));
-        let share = part.map_or(0.0, |[low, high]| high - low);
+        // Scenes whose lights are sampled one by one come here as well.
+        let share = self.environment_share(reach);
         match &self.environment {
             Some(Environment::Map(map)) => {
                 let map = map.table();

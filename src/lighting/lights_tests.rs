@@ -185,6 +185,45 @@ fn lanes_sample_as_one_by_one() {
     }
 }
 
+/// Radiance and density of the environment along sixteen directions.
+struct Escaped<'a>(&'a Lit, LightReach);
+
+impl Work for Escaped<'_> {
+    type Output = Vec<([f32; 3], f32)>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Self::Output {
+        let normals: [Vec3; LANES] = std::array::from_fn(|i| receiver(i as u32).normal);
+        let row = |k: usize| l.load(&normals.map(|n| n[k]));
+        let (radiance, pdf) = self.0.lights.environment_lanes(l, V3::new(row(0), row(1), row(2)), self.1);
+        (0..LANES).map(|i| (radiance.lane(i), pdf.array()[i])).collect()
+    }
+}
+
+/// Also where lights are sampled one by one, because some of them are not what lanes know.
+#[test]
+fn what_escapes_in_lanes_meets_the_environment_of_one_by_one() {
+    for blended in [false, true] {
+        let mut scene = scene(5, 2);
+        if blended {
+            scene.materials[0].alpha.mode = AlphaMode::Blend;
+        }
+        let lit = lit(scene, &picture(), UpAxis::Y);
+        assert_eq!(lit.lights.lanes_can(), !blended);
+        let environment = lit.lights.environment.as_ref().unwrap();
+        for reach in REACHES {
+            let all = AnyLanes::new(SimdTier::detect()).run(Escaped(&lit, reach));
+            for (i, (radiance, pdf)) in all.into_iter().enumerate() {
+                let uv = environment.locate(receiver(i as u32).normal);
+                let expected = lit.lights.pdf_environment(uv, reach);
+                assert_eq!(expected > 0.0, reach != LightReach::Punctual);
+                assert!((pdf - expected).abs() <= 1e-3 * expected, "{pdf} {expected}");
+                assert!(near(radiance, environment.radiance_at(uv), 1e-3));
+            }
+        }
+    }
+}
+
 /// The mean of 1 / pdf over samples is the solid angle of all that they reach, if the density is that of the samples.
 #[test]
 fn densities_of_triangles_are_those_of_the_samples() {
