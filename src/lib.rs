@@ -7,6 +7,7 @@
 pub mod accuracy;
 pub mod batch;
 pub mod checks;
+pub mod effects;
 pub mod film;
 pub mod gallery;
 pub mod geometry;

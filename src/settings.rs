@@ -1,5 +1,6 @@
 //! What can be asked for: plain data that the command line, presets and the manifest share.
 
+mod effects;
 mod environment;
 mod goal;
 mod look;
@@ -7,6 +8,7 @@ pub mod path_text;
 mod pictures;
 mod views;
 
+pub use effects::{Effect, EffectSet, EffectSettings};
 pub use environment::{EnvironmentFile, EnvironmentSettings};
 pub use goal::{Goal, MOST_SPP, Preset};
 pub use look::LookSettings;
@@ -107,6 +109,8 @@ pub struct PrepareSettings {
     pub physical_lights: bool,
     /// The instruction set that traversal may use. Does not change pixels.
     pub simd: SimdTier,
+    /// Which effects are simulated.
+    pub effects: EffectSettings,
     /// How many rays are to be traced, about, if that is known. Does not change pixels, and is no setting that anybody chooses:
     /// whoever plans the pictures fills it in.
     #[serde(skip)]

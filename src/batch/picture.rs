@@ -95,12 +95,18 @@ impl Shot<'_> {
         }
     }
 
-    /// What was asked for that takes light away, with how much.
+    /// What was asked for that changes the expected picture, with how much where that is known.
     fn bias(&self, job: &Job) -> Vec<String> {
-        let Some(limit) = job.settings.render.clamp else { return Vec::new() };
+        let without: Vec<_> = job.settings.prepare.effects.without.iter().map(|effect| effect.name()).collect();
+        let left_out = (!without.is_empty()).then(|| format!("without {} (--effects)", without.join(", ")));
+        left_out.into_iter().chain(self.clamped(job)).collect()
+    }
+
+    fn clamped(&self, job: &Job) -> Option<String> {
+        let limit = job.settings.render.clamp?;
         let kept: f64 = self.film.pixels.iter().flat_map(|p| p.replicate_sums()).map(|s| s[0] + s[1] + s[2]).sum();
         let all = kept + self.tally.clamped;
         let share = if all > 0.0 { 100.0 * self.tally.clamped / all } else { 0.0 };
-        vec![format!("clamp {limit}: removed {share:.4} % of the light")]
+        Some(format!("clamp {limit}: removed {share:.4} % of the light"))
     }
 }

@@ -9,15 +9,17 @@ use kiln::Control;
 use kiln::batch::{AssetFacts, MaterialFacts, TextureFacts, lights_itself};
 use kiln::formats::scene::Projection;
 use kiln::formats::{Contents, ErrorCode, Format, ImportOptions, import};
-use kiln::prepare::{EnvironmentSource, prepare};
+use kiln::prepare::{EnvironmentSource, PreparedScene, prepare};
 use kiln::settings::{KdTreeBuilder, PrepareSettings, SimdTier};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
   kiln inspect chair.glb
   kiln inspect chair.glb --json | jq .textures
+  kiln inspect chair.glb --effects
   kiln inspect fox.glb --time-code 0.5
   kiln inspect chair.glb --rays
   kiln inspect chair.glb --rays bounce.rays --stream --threads 2 --json";
@@ -34,6 +36,9 @@ pub struct InspectCommand {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    /// Show which effects the scene calls for and why, and what is left away because it has none
+    #[arg(long)]
+    effects: bool,
     /// Files that the asset refers to must lie below this folder [default: the parent of the asset's folder]
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
@@ -79,6 +84,8 @@ impl InspectCommand {
                 object.insert("degenerate_triangles".into(), prepared.degenerate_triangles.into());
                 object.insert("emitters".into(), prepared.emitters.into());
                 object.insert("kdtree".into(), json!(tree));
+                object.insert("effects".into(), json!(prepared.effects()));
+                object.insert("rewrites".into(), json!(prepared.rewrites));
                 if let Some(rays) = &rays {
                     self.rays.tell_json(rays, tree.build_seconds, object);
                 }
@@ -100,6 +107,9 @@ impl InspectCommand {
                 tree.bytes as f64 / 1e6,
                 prepared.times.kdtree
             ));
+            if self.effects {
+                effects(&prepared).iter().for_each(|line| print_line(line));
+            }
             if let Some(rays) = &rays {
                 print_line(&format!(
                     "           built by {} planes: {:.1} references a triangle, {:.1} bytes a triangle, SAH cost {:.2}",
@@ -113,6 +123,25 @@ impl InspectCommand {
         }
         Ok(Exit::Done)
     }
+}
+
+/// What the scene calls for and why, and what is left away.
+fn effects(prepared: &PreparedScene) -> Vec<String> {
+    let called = prepared.effects();
+    let heads = std::iter::once("effects    ").chain(std::iter::repeat("           "));
+    let mut lines: Vec<_> =
+        heads.zip(&called).map(|(head, c)| format!("{head}{:<21}{}", c.effect.name(), c.reason)).collect();
+    if called.is_empty() {
+        lines.push("effects    none: a black picture".into());
+    }
+    let mut counts: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    prepared.rewrites.iter().for_each(|r| counts.entry(r.what).or_default().push(&r.place));
+    let heads = std::iter::once("left away  ").chain(std::iter::repeat("           "));
+    lines.extend(heads.zip(counts).map(|(head, (what, places))| {
+        let rest = if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
+        format!("{head}{what} ({}{rest})", places[0])
+    }));
+    lines
 }
 
 fn builder(builder: KdTreeBuilder) -> &'static str {

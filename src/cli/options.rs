@@ -3,7 +3,7 @@ use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::settings::{
-    Background, BitDepth, CameraChoice, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder, Layer,
+    Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder, Layer,
     LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset, RenderSettings, SamplerKind,
     Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
 };
@@ -99,6 +99,17 @@ pub struct SettingOptions {
     #[arg(long, help_heading = "Sampling")]
     physical_lights: bool,
 
+    /// Effects: auto (what the scene calls for), raw (nothing that the file says is rewritten), or -NAME,… without some:
+    /// another picture. `kiln inspect --effects` names them
+    #[arg(
+        long,
+        value_name = "auto|raw|-NAME,…",
+        default_value = "auto",
+        allow_hyphen_values = true,
+        help_heading = "Sampling"
+    )]
+    effects: EffectSettings,
+
     /// Instruction set; does not change the pictures
     #[arg(long, value_enum, value_name = "TIER", default_value_t, help_heading = "Machine")]
     simd: SimdTier,
@@ -175,6 +186,7 @@ impl SettingOptions {
                 point_lights: self.point_lights,
                 physical_lights: self.physical_lights,
                 simd: self.simd,
+                effects: self.effects,
                 ..PrepareSettings::default()
             },
             render: RenderSettings {

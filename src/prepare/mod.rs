@@ -1,9 +1,11 @@
 //! From the scene IR to what rays meet: triangles in one frame, lights, kd-tree.
 
+mod called;
 pub mod kdtree;
 mod parts;
 mod physical;
 
+use crate::effects::{self, Rewrite};
 use crate::geometry::{Geometry, Pyramids, WorldFrame, world_bounds};
 use crate::lanes::AnyLanes;
 pub use crate::lighting::EnvironmentSource;
@@ -51,6 +53,8 @@ pub struct PreparedScene {
     pub degenerate_triangles: u64,
     /// Emitters: emissive triangles, punctual lights, environment.
     pub emitters: u64,
+    /// What the file says that has no effect.
+    pub rewrites: Vec<Rewrite>,
     /// Times.
     pub times: PrepareTimes,
     pub(crate) scene: Scene,
@@ -140,6 +144,9 @@ pub fn prepare(
     control: &Control,
 ) -> Result<PreparedScene, Stopped> {
     control.check()?;
+    effects::leave_out(&mut scene, settings.effects.without);
+    let rewrites = if settings.effects.raw { Vec::new() } else { effects::normalise(&mut scene) };
+    control.check()?;
     if settings.physical_lights {
         physical::replace_soft_lights(&mut scene, settings.point_lights);
     }
@@ -172,6 +179,7 @@ pub fn prepare(
         triangles: geometry.len() as u64,
         degenerate_triangles: geometry.degenerate,
         emitters: lights.count() as u64,
+        rewrites,
         times,
         filtered: filters.iter().any(|f| f.coverage || f.culled || f.tints),
         covers: filters.iter().any(|f| f.coverage),
