@@ -6,11 +6,15 @@ mod common;
 use common::everything::{at, everything};
 use common::{add, lambert, shoot, square, view};
 use glam::{DAffine3, DVec3};
-use kiln::Scene;
+use kiln::formats::scene::{
+    Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Filter, Image, Layers, NormalMap, Pixels, ScalarInput, Surface,
+    Texture, TextureRef, Wrap,
+};
 use kiln::integrate::Rendered;
 use kiln::math::statistics;
-use kiln::prepare::EnvironmentSource;
-use kiln::settings::{PrepareSettings, RenderSettings, SamplerKind, Strategy};
+use kiln::prepare::{EnvironmentSource, prepare};
+use kiln::settings::{EffectSettings, PrepareSettings, RenderSettings, SamplerKind, Strategy};
+use kiln::{Control, Scene};
 
 /// Means of 8×8 blocks and their variances, all channels.
 fn blocks(rendered: &Rendered) -> Vec<(f64, f64)> {
@@ -88,6 +92,62 @@ fn strategies_that_ignore_the_material_agree_on_a_scene_with_everything() {
     {
         let other = shoot_everything(2048, 2, strategy, sampler, light_samples);
         assert_agree(&reference, &other, &format!("{strategy:?} {sampler:?} {light_samples}"));
+    }
+}
+
+/// The scene with everything, with much in it that has no effect: images of one colour, flat normal maps, alpha that is 1,
+/// coats without strength.
+fn dressed_up() -> Scene {
+    let mut scene = everything();
+    let mut texture = |texel: [u8; 4], color_space| {
+        let (image, pixels) = (scene.images.len() as u32, Pixels::Rgba8([texel; 4].concat()));
+        scene.images.push(Image { name: String::new(), width: 2, height: 2, pixels });
+        let (wrap, filter) = (Wrap::Repeat, Filter::Linear);
+        scene.textures.push(Texture { image, wrap_u: wrap, wrap_v: wrap, filter, color_space });
+        TextureRef::new(scene.textures.len() as u32 - 1)
+    };
+    let grey = texture([188, 180, 200, 255], ColorSpace::Srgb);
+    let (half, black) = (texture([9, 128, 7, 5], ColorSpace::Linear), texture([0; 4], ColorSpace::Srgb));
+    let flat = NormalMap { texture: texture([128, 127, 255, 255], ColorSpace::Linear), scale: 1.0 };
+    for mesh in &mut scene.meshes {
+        mesh.tangents = vec![[1.0, 0.0, 0.0, 1.0]; mesh.positions.len()];
+        mesh.colors = vec![[1.0; 4]; mesh.positions.len()];
+    }
+    for material in &mut scene.materials {
+        let Surface::MetalRough(m) = &mut material.surface else { continue };
+        m.base_color.texture = Some(grey);
+        m.roughness.texture = Some(half);
+        m.roughness.channel = Channel::G;
+        let clearcoat = ScalarInput { texture: Some(black), ..ScalarInput::constant(1.0) };
+        m.layers = Some(Layers { clearcoat, ..Layers::default() });
+        material.normal_map = Some(flat);
+        if material.alpha.mode == AlphaMode::Opaque {
+            let value = ScalarInput { texture: Some(grey), channel: Channel::A, ..ScalarInput::constant(1.0) };
+            material.alpha = Alpha { mode: AlphaMode::Blend, value };
+        }
+        if material.emission.is_black() {
+            material.emission = ColorInput { factor: [1.0; 3], texture: Some(black) };
+        }
+    }
+    scene
+}
+
+/// Rounding changes, and with it single paths; not the light.
+#[test]
+fn leaving_away_what_has_no_effect_changes_no_picture() {
+    let scene = dressed_up();
+    let view = view(DVec3::new(0.1, 0.1, 0.95), DVec3::new(0.0, -0.2, -0.6), 70.0, 32);
+    let world = EnvironmentSource::Constant([0.2; 3]);
+    let shoot = |raw, seed| {
+        let effects = EffectSettings { raw, ..EffectSettings::default() };
+        let settings = RenderSettings { spp: 512, seed, max_depth: 8, ..RenderSettings::default() };
+        shoot(&scene, &world, &PrepareSettings { effects, ..PrepareSettings::default() }, &settings, &view)
+    };
+    assert_agree(&shoot(true, 1), &shoot(false, 2), "raw and rewritten");
+    let prepared = prepare(scene.clone(), &world, &PrepareSettings::default(), &Control::default()).expect("prepared");
+    let done = |what: &str| prepared.rewrites.iter().filter(|rewrite| rewrite.what.contains(what)).count();
+    for what in ["one colour", "one value", "flat normal map", "without transparent", "layers without", "tangents"] {
+        assert!(done(what) >= 4, "{what}: {:?}", prepared.rewrites);
     }
 }
 

@@ -3,9 +3,9 @@ use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::settings::{
-    Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder, Layer,
-    LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset, RenderSettings, SamplerKind,
-    Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
+    Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder,
+    Layer, LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset, RenderSettings,
+    SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
 };
 use std::path::PathBuf;
 

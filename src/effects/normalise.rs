@@ -81,6 +81,7 @@ impl Inputs<'_> {
             self.layers(layers);
             if *layers == Layers::default() {
                 m.layers = None;
+                self.done.push("layers without strength are none");
             }
         }
     }
@@ -118,7 +119,7 @@ impl Inputs<'_> {
             layers.diffuse_transmission_color = none.diffuse_transmission_color;
         }
         if *layers != before {
-            self.done.push("a layer without strength is none");
+            self.done.push("inputs of a layer without strength are not read");
         }
     }
 

@@ -19,6 +19,28 @@ fn it_tells_what_is_in_an_asset() {
 }
 
 #[test]
+fn it_names_the_effects_and_what_is_left_away() {
+    let mut asset: Value = serde_json::from_str(&gltf()).expect("JSON");
+    asset["materials"] = serde_json::json!([{"name": "paint", "alphaMode": "BLEND"}]);
+    asset["meshes"][0]["primitives"][0]["material"] = 0.into();
+    let dir = folder(&[("a.gltf", &asset.to_string())]);
+    let shown = |arguments: &[&str]| {
+        let output = kiln(dir.path(), arguments);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let text = shown(&["inspect", "a.gltf", "--effects"]);
+    for told in ["metal", "material 'paint' on 1 mesh, all of the area", "environment", "is opaque (paint)"] {
+        assert!(text.contains(told), "{told} in {text}");
+    }
+    assert!(!text.contains("alpha-blending"), "{text}");
+    shown(&["render", "a.gltf", "--spp", "1", "--width", "8", "--effects", "-metal,-culling", "-o", "a.png"]);
+    let output = kiln(dir.path(), &["render", "a.gltf", "--effects", "-brilliance"]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("'brilliance' is no effect"), "{}", stderr(&output));
+}
+
+#[test]
 fn its_json_is_documented_and_tells_what_the_file_says_of_itself() {
     let mut asset: Value = serde_json::from_str(&gltf()).expect("JSON");
     asset["asset"]["generator"] = "by hand".into();
