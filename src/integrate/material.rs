@@ -5,7 +5,7 @@ use crate::geometry::textures::Reader;
 use crate::prepare::PreparedScene;
 use crate::shading::{Bsdf, LayerParams, MetalRoughParams, PhongParams, RoughLobes};
 use glam::{Vec2, Vec3};
-use kiln_formats::scene::{Layers, Material, MetalRough, NormalMap, Phong, Surface};
+use kiln_formats::scene::{ColorInput, Layers, Material, MetalRough, NormalMap, Phong, Surface};
 
 /// How a surface scatters, as far as lanes are concerned.
 pub(super) enum Scattering {
@@ -46,6 +46,23 @@ impl Point<'_> {
         let (tangent, handedness) = self.attributes.tangent?;
         let tangent = (tangent - normal * normal.dot(tangent)).try_normalize()?;
         Some((tangent, normal.cross(tangent) * handedness))
+    }
+
+    /// Whether what is seen here is mainly reflected or refracted by the surface itself: metal with a normal map, glass, and
+    /// mirrors. (Metal whose normals are only interpolated is left to lanes.)
+    pub(super) fn reflects_most(&self) -> bool {
+        match &self.material.surface {
+            Surface::MetalRough(m) => {
+                let read = &self.textures;
+                let glass = m.volume.is_some() && read.scalar(&m.transmission) >= 0.5;
+                glass || (self.material.normal_map.is_some() && (m.ior == 0.0 || read.scalar(&m.metallic) >= 0.5))
+            }
+            Surface::Phong(p) => {
+                let largest = |color: &ColorInput| color.factor.into_iter().fold(0.0, f32::max);
+                largest(&p.mirror).max(largest(&p.transmission)) > largest(&p.diffuse)
+            }
+            Surface::Unlit(_) => false,
+        }
     }
 
     /// The direction in which an anisotropic surface is rough, and how strongly (KHR_materials_anisotropy).

@@ -1,3 +1,4 @@
+use super::bend::{reflecting_normal, visible_normal};
 use super::material;
 use crate::geometry::Attributes;
 use crate::geometry::textures::Reader;
@@ -9,10 +10,6 @@ use crate::prepare::PreparedScene;
 use crate::shading::{Bsdf, RoughLobes};
 use glam::Vec3;
 use kiln_formats::scene::{Layers, MaterialId};
-
-/// The least cosine between the viewer and a shading normal that leans away from him: beyond it the normal is bent back,
-/// since a viewer below the shading horizon would see black (numerics: clamp to the visible side).
-pub(super) const LEAST_COSINE: f32 = 0.02;
 
 /// A point on a surface, seen from one side.
 #[derive(Clone, Copy, Debug)]
@@ -125,7 +122,17 @@ impl Vertex {
             None => unmapped,
         };
         let visible = |normal| visible_normal(normal, place.normal, wo);
-        let normal = visible(shading);
+        // Light samples aim from one point, and what is transmitted smoothly starts at the triangle.
+        let lift = if attributes.normal.is_some() { lift(prepared, &place, b) } else { Vec3::ZERO };
+        // Twice the offset of spawned rays: beyond all that rounding could feign.
+        let lifted = lift.dot(place.normal) > 2.0 * place.normal.abs().dot(place.error);
+        let mut normal = visible(shading);
+        if !lifted
+            && let Some(bent) = reflecting_normal(normal, place.normal, wo)
+            && point.reflects_most()
+        {
+            normal = bent;
+        }
         let grain = material.layers().and_then(|layers| point.grain(layers));
         let frame = match grain {
             Some((tangent, _)) => Frame::from_normal_and_tangent(normal, tangent),
@@ -137,11 +144,7 @@ impl Vertex {
             own.map_or(Vec3::Z, |normal| frame.to_local(visible(normal)).normalize())
         };
         let bsdf = point.bsdf(index_around, wo_local, grain.map_or(0.0, |(_, strength)| strength), coat);
-        // Light samples aim from one point, and what is transmitted starts at the triangle.
-        let smooth = attributes.normal.is_some() && !bsdf.transmits_smoothly();
-        let lift = if smooth { lift(prepared, &place, b) } else { Vec3::ZERO };
-        // Twice the offset of spawned rays: beyond all that rounding could feign.
-        let lifted = lift.dot(place.normal) > 2.0 * place.normal.abs().dot(place.error);
+        let lifted = lifted && !bsdf.transmits_smoothly();
         let point = if lifted { place.point + lift } else { place.point };
         Self { place, point, lifted, frame, wo_local, bsdf }
     }
@@ -245,16 +248,4 @@ fn lift(prepared: &PreparedScene, place: &Place, b: [f32; 3]) -> Vec3 {
         }
     }
     lift
-}
-
-/// The shading normal on the viewer's side of the surface, bent towards the viewer where he would be below its horizon.
-/// A viewer who sees the face itself at a grazing angle sees it so: the face's own normal is never bent.
-fn visible_normal(shading: Vec3, normal: Vec3, wo: Vec3) -> Vec3 {
-    let shading = if shading.dot(normal) < 0.0 { -shading } else { shading };
-    let cosine = shading.dot(wo);
-    let least = LEAST_COSINE.min(normal.dot(wo));
-    if cosine >= least {
-        return shading;
-    }
-    (shading + wo * (least - cosine)).try_normalize().filter(|n| n.dot(wo) > 0.0).unwrap_or(normal)
 }

@@ -1,7 +1,7 @@
 //! Smooth surfaces in lanes: interpolated normals, bent to the viewer's side, and the surface that they stand for above the
 //! triangle. Twins of what `integrate/vertex.rs` does for one point.
 
-use crate::integrate::vertex::LEAST_COSINE;
+use crate::integrate::bend::LEAST_COSINE;
 use crate::lanes::{Floats, Lanes, V3};
 
 /// Sixteen points of triangles with normals at their corners.
@@ -44,7 +44,7 @@ impl<L: Lanes> Corners<L> {
         Smooth { shading, lift: lift.only(lifted), lifted }
     }
 
-    /// As `vertex::visible_normal`.
+    /// As `bend::visible_normal`.
     #[inline(always)]
     fn visible(&self, l: L, shading: V3<L::F>) -> V3<L::F> {
         let (zero, wo) = (l.splat(0.0), -self.dir);
