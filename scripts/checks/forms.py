@@ -1,5 +1,5 @@
 """Closed forms and double-precision integrals that the checks expect. None of this knows Kiln's code."""
-from math import acos, atan2, cos, pi, radians, sin, sqrt
+from math import acos, atan2, cos, exp, pi, radians, sin, sqrt
 
 
 def glowing_box(emission, albedo, depth):
@@ -112,3 +112,45 @@ def clamped(constant, linear, quadratic, d):
 def linear_of_srgb(byte):
     c = byte / 255
     return c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+
+
+def spectrum(step=0.5):
+    """Wavelengths (nm) with their shares in linear sRGB, which add up to 1 in each channel: the CIE 1931 functions in the fit of
+    Wyman, Sloan & Shirley 2013, out-of-gamut parts cut off, from 380 to 720 nm."""
+    bell = lambda nm, mean, below, above: exp(-0.5 * ((nm - mean) * (below if nm < mean else above)) ** 2)
+    matrix = ((3.2406, -1.5372, -0.4986), (-0.9689, 1.8758, 0.0415), (0.0557, -0.2040, 1.0570))
+    rows = []
+    for k in range(round(340 / step)):
+        nm = 380 + (k + 0.5) * step
+        xyz = (0.362 * bell(nm, 442, 0.0624, 0.0374) + 1.056 * bell(nm, 599.8, 0.0264, 0.0323) - 0.065 * bell(nm, 501.1, 0.0490, 0.0382),
+               0.821 * bell(nm, 568.8, 0.0213, 0.0247) + 0.286 * bell(nm, 530.9, 0.0613, 0.0322),
+               1.217 * bell(nm, 437, 0.0845, 0.0278) + 0.681 * bell(nm, 459, 0.0385, 0.0725))
+        rows.append((nm, [max(0, sum(m * x for m, x in zip(row, xyz))) for row in matrix]))
+    totals = [sum(rgb[c] for _, rgb in rows) for c in range(3)]
+    return [(nm, [x / t for x, t in zip(rgb, totals)]) for nm, rgb in rows]
+
+
+def cauchy(index, dispersion, nm):
+    """Index of refraction at a wavelength (KHR_materials_dispersion; index: that of the d line)."""
+    return max(1, index + (index - 1) * dispersion / 20 * (523655 / nm**2 - 1.5168))
+
+
+def reflectance(degrees, eta):
+    """Fresnel's, unpolarised, for light that meets a medium of relative index eta."""
+    cos_i = cos(radians(degrees))
+    cos2_t = 1 - (1 - cos_i**2) / eta**2
+    if cos2_t <= 0:
+        return 1.0
+    cos_t = sqrt(cos2_t)
+    parallel, perpendicular = (eta * cos_i - cos_t) / (eta * cos_i + cos_t), (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
+    return (parallel**2 + perpendicular**2) / 2
+
+
+def dispersing_prism(degrees, index, dispersion):
+    """In a white world: what is reflected at normal incidence, and what goes through the second face, met at `degrees`."""
+    seen = [0.0, 0.0, 0.0]
+    for nm, shares in spectrum():
+        n = cauchy(index, dispersion, nm)
+        first, second = reflectance(0, n), reflectance(degrees, 1 / n)
+        seen = [s + share * (first + (1 - first) * (1 - second)) for s, share in zip(seen, shares)]
+    return seen

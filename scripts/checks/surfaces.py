@@ -1,7 +1,7 @@
 """Checks of materials: furnaces, glass, mirrors, coverage, textures."""
-from math import cos, pi, radians, sin
+from math import cos, pi, radians, sin, tan
 
-from .forms import compensated_furnace, layers, linear_of_srgb, slab
+from .forms import compensated_furnace, dispersing_prism, layers, linear_of_srgb, slab
 from .writers import box, glass, icosphere, lambert, material, png, quad, ray_mesh
 
 FLAT = quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))
@@ -155,6 +155,18 @@ def inside_glass(c):
           "The environment is white at z > 0, black at z < 0. Light into the long face meets the short ones at 45°, beyond "
           "the critical angle of 41.8°: all of it, and all that the long face reflects, returns to z > 0.",
           1.0, pencil((0.3, 0.1, 5), (0.3, 0.1, 0)), half, strategies=["bsdf", "light", "mis"], spp=256, max_depth=64)
+    run = 2 * tan(radians(41))
+    (a, b, d), (e, f, g) = [[(-1, y, 0), (1, y, 0), (-1, y, -run)] for y in (1, -1)]
+    wedge = [(a, b, d), (e, g, f), *quad(e, f, b, a), *quad(f, g, d, b), *quad(g, e, a, d)]
+    scene = c.gltf("prism_dispersing", {"triangles": wedge, "material": glass(1.5, dispersion={"dispersion": 5})})
+    c.add("dispersion-prism", "A prism lets red through where it reflects blue", scene,
+          "Light into the front face meets the second one at 41°, beyond the critical angle of indices above 1.524: the integral "
+          "over the wavelengths of F₁ + (1 − F₁)(1 − F₂), each weighted as in linear sRGB; two scatterings.",
+          [round(x, 5) for x in dispersing_prism(41, 1.5, 5)], pencil((0.5, 0.1, 5), (0.5, 0.1, 0)), WHITE,
+          strategies=["bsdf", "light", "mis"], spp=8192, max_depth=2)
+    c.add("dispersion-white", "All that a dispersing prism reflects and lets through is white again", scene,
+          "Every wavelength finds its way out into the white world.", 1.0, pencil((0.5, 0.1, 5), (0.5, 0.1, 0)), WHITE,
+          strategies=["bsdf", "light", "mis"], spp=1024, max_depth=64)
     tint = [0.25, 0.5, 0.75]
     low, high = (-1, -1, -0.25), (1, 1, 0.25)
     straight = pencil((0.1, 0.2, 3), (0.1, 0.2, 0))

@@ -93,6 +93,10 @@ fn line(event: &PathEvent) -> String {
         PathEvent::Absorbed { transmittance, throughput } => {
             format!("    absorption leaves {}: throughput {}", v(*transmittance), v(*throughput))
         }
+        PathEvent::Dispersed { nanometres, weight, throughput } => {
+            let nanometres = number(f64::from(*nanometres));
+            format!("    goes on at {nanometres} nm: weight {}, throughput {}", v(*weight), v(*throughput))
+        }
         PathEvent::Emission { radiance, weight, contribution } => {
             format!("    it emits {}, weight {}: + {}", v(*radiance), number(f64::from(*weight)), v(*contribution))
         }

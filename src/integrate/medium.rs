@@ -1,6 +1,7 @@
-//! Absorption inside bodies (Beer–Lambert).
+//! Bodies that a path is in: absorption (Beer–Lambert), refraction, and dispersion.
 
 use super::vertex::Place;
+use crate::math::spectrum::{self, Wavelength};
 use crate::prepare::PreparedScene;
 use glam::Vec3;
 use kiln_formats::scene::{MaterialId, Surface};
@@ -40,10 +41,12 @@ const DEEPEST: usize = 4;
 
 /// Which bodies the path is in, the one entered last at the end. Bodies that overlap go by that order too: light is
 /// bent and absorbed by the one entered last (priorities as in Schmidt & Budge 2002, given by the order of entering).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Inside {
     bodies: [MaterialId; DEEPEST],
     depth: usize,
+    /// The one wavelength that the path carries since it met a body that disperses light, nanometres.
+    wavelength: Option<f32>,
 }
 
 impl Inside {
@@ -97,26 +100,64 @@ impl Inside {
         }
     }
 
-    /// Index of refraction around the body whose surface is at `place`: what its own index is relative to.
+    /// Leaves one wavelength of the path's light, by a number in [0, 1), before it goes through a surface that bends each
+    /// differently; `None` where none does, or the path has only one already. Its weight is for the throughput.
+    pub(super) fn disperse(
+        &mut self,
+        prepared: &PreparedScene,
+        place: &Place,
+        number: impl FnOnce() -> f32,
+    ) -> Option<Wavelength> {
+        let disperses = |id: &MaterialId| match &prepared.scene.materials[*id as usize].surface {
+            Surface::MetalRough(m) => m.volume.is_some() && m.dispersion > 0.0,
+            Surface::Phong(_) | Surface::Unlit(_) => false,
+        };
+        let bounds = bounds_body(prepared, place.material);
+        if self.wavelength.is_some() || !bounds {
+            return None;
+        }
+        if !disperses(&place.material) && !self.bodies[..self.depth].iter().any(disperses) {
+            return None;
+        }
+        let wavelength = spectrum::wavelength(number());
+        self.wavelength = Some(wavelength.nanometres);
+        Some(wavelength)
+    }
+
+    /// What the index of the body whose surface is at `place` has to be divided by: the index of refraction around it, and
+    /// where it disperses light also its own nominal index by that for the path's wavelength.
     ///
     /// A body that is left before one entered later has no boundary there: what is around it is as good as itself.
     /// The index of a `.ray` body is relative already (ray-format.md, section 10: the index outside is 1).
     pub(super) fn index_around(self, prepared: &PreparedScene, place: &Place) -> f32 {
-        let index = |material: Option<MaterialId>| {
+        let index = |material: Option<MaterialId>, wavelength: Option<f32>| {
             let surface = material.map(|m| &prepared.scene.materials[m as usize].surface);
-            match surface {
-                Some(Surface::MetalRough(m)) if m.ior > 0.0 => m.ior,
+            match (surface, wavelength) {
+                (Some(Surface::MetalRough(m)), None) if m.ior > 0.0 => m.ior,
+                (Some(Surface::MetalRough(m)), Some(nm)) if m.ior > 0.0 => dispersed(m.ior, m.dispersion, nm),
                 _ => 1.0,
             }
         };
-        if place.front {
-            index(self.last())
-        } else if self.last() == Some(place.material) {
-            index(self.left(place.material).last())
+        let own = Some(place.material);
+        let around = if place.front {
+            index(self.last(), self.wavelength)
+        } else if self.last() == own {
+            index(self.left(place.material).last(), self.wavelength)
         } else {
-            index(Some(place.material))
+            index(own, self.wavelength)
+        };
+        match self.wavelength {
+            None => around,
+            some => around * (index(own, None) / index(own, some)),
         }
     }
+}
+
+/// Index at a wavelength by Cauchy's formula through the index at the d line (587.6 nm) and the Abbe number 20 /
+/// `dispersion` (KHR_materials_dispersion).
+fn dispersed(ior: f32, dispersion: f32, nanometres: f32) -> f32 {
+    let cauchy = 523_655.0 / (nanometres * nanometres) - 1.5168;
+    (ior + (ior - 1.0) * (dispersion / 20.0) * cauchy).max(1.0)
 }
 
 /// Whether the material is the boundary of a body that absorbs and refracts.
@@ -125,5 +166,23 @@ pub(super) fn bounds_body(prepared: &PreparedScene, material: MaterialId) -> boo
         Surface::MetalRough(m) => m.volume.is_some(),
         Surface::Phong(p) => !p.transmission.is_black(),
         Surface::Unlit(_) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::dispersed;
+
+    #[test]
+    fn indices_are_those_of_the_abbe_number() {
+        // Its definition by the d, F and C lines; BK7 has 64.2.
+        for (ior, abbe) in [(1.5168f32, 64.2f32), (2.42, 55.3), (1.6, 20.0)] {
+            let [d, f, c] = [587.56, 486.13, 656.27].map(|line| dispersed(ior, 20.0 / abbe, line));
+            assert!((d - ior).abs() < 1e-5 && c < d && d < f);
+            assert!(((d - 1.0) / (f - c) / abbe - 1.0).abs() < 2e-3, "{}", (d - 1.0) / (f - c));
+        }
+        assert_eq!(dispersed(1.5, 0.0, 400.0), 1.5);
+        assert_eq!(dispersed(1.0, 5.0, 400.0), 1.0);
+        assert_eq!(dispersed(1.5, 100.0, 700.0), 1.0);
     }
 }

@@ -31,6 +31,8 @@ pub enum PathEvent {
     Hit { distance: f64, point: DVec3, mesh: String, triangle: u32, material: String, front: bool },
     /// A body took its share on the way.
     Absorbed { transmittance: Vec3, throughput: Vec3 },
+    /// The body met disperses light: the path goes on with one wavelength.
+    Dispersed { nanometres: f32, weight: Vec3, throughput: Vec3 },
     /// The surface shines by itself; `weight` is what multiple importance sampling gives this way of finding it.
     Emission { radiance: Vec3, weight: f32, contribution: Vec3 },
     /// The path leaves the scene.
@@ -97,6 +99,7 @@ impl PathEvent {
             Self::Ray { origin, direction, .. } => (vec![origin.as_vec3(), *direction], Cause::Geometry),
             Self::Hit { point, .. } => (vec![point.as_vec3()], Cause::Geometry),
             Self::Absorbed { transmittance, throughput } => (vec![*transmittance, *throughput], Cause::Absorption),
+            Self::Dispersed { weight, throughput, .. } => (vec![*weight, *throughput], Cause::Absorption),
             Self::Emission { radiance, weight, contribution } => {
                 (vec![*radiance, Vec3::splat(*weight), *contribution], Cause::Emission)
             }

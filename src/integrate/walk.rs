@@ -122,6 +122,13 @@ impl<'a> Course<'a> {
             with.recorder.note(|| PathEvent::End { why: "as deep as paths may go" });
             return false;
         }
+        let sampler = &mut *with.sampler;
+        if let Some(one) = walk.inside.disperse(prepared, &place, || sampler.get_1d(0, Purpose::Wavelength)) {
+            let weight = Vec3::from(one.weight);
+            walk.throughput *= weight;
+            let (nanometres, throughput) = (one.nanometres, walk.throughput);
+            with.recorder.note(|| PathEvent::Dispersed { nanometres, weight, throughput });
+        }
         let index_around = walk.inside.index_around(prepared, &place);
         let vertex = Vertex::new(prepared, &hit, place, walk.dir, index_around, walk.cone.width);
         with.recorder

@@ -5,6 +5,7 @@ pub mod float_error;
 mod frame;
 mod ray;
 pub mod simd;
+pub mod spectrum;
 pub mod statistics;
 pub mod triangle;
 pub mod warp;

@@ -34,6 +34,8 @@ pub enum Purpose {
     Roulette,
     /// Coverage of a surface; the number is the triangle.
     Coverage(u32),
+    /// The wavelength of a path that is dispersed; always asked of vertex 0.
+    Wavelength,
 }
 
 impl Purpose {
@@ -46,6 +48,7 @@ impl Purpose {
             Self::LightPoint(k) => (5, k),
             Self::Roulette => (6, 0),
             Self::Coverage(triangle) => (7, triangle),
+            Self::Wavelength => (0, 0),
         }
     }
 }

@@ -17,6 +17,7 @@ pub(crate) const SUPPORTED: &[&str] = &[
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_roughness",
     "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_iridescence",
@@ -55,11 +56,26 @@ pub(super) fn check(json: &Value, report: &mut Report) -> Result<(), ImportError
         let known = [SUPPORTED, WITHOUT_EFFECT].iter().any(|list| list.contains(&name));
         if !known && !warned.contains(&name) {
             warned.push(name);
-            let message = format!("{name} is ignored");
+            let message = format!("{name} is ignored{}", without(name));
             report.warn("unsupported-extension", format!("/extensionsUsed/{i}"), message);
         }
     }
     Ok(())
+}
+
+/// What a picture lacks without an extension that is known but not honoured.
+fn without(extension: &str) -> &'static str {
+    match extension {
+        "KHR_materials_volume_scatter" => ": inside bodies light is absorbed, and not scattered",
+        "KHR_materials_subsurface" | "ADOBE_materials_thin_transparency" => ": its light goes through by other rules",
+        "EXT_texture_avif" => ": AVIF images are not decoded, and textures fall back on their other source",
+        "MSFT_texture_dds" => ": DDS images are not decoded, and textures fall back on their other source",
+        "EXT_lights_image_based" => ": its environment does not light the asset (--env FILE does)",
+        "EXT_lights_ies" => ": its lamps shine by their cones alone",
+        "MSFT_lod" => ": the finest level is shown",
+        "KHR_gaussian_splatting" => ": splats are points, which are not drawn",
+        _ => "",
+    }
 }
 
 fn names<'a>(json: &'a Value, list: &str) -> impl Iterator<Item = &'a str> {

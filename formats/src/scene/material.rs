@@ -183,6 +183,9 @@ pub struct MetalRough {
     pub specular_color: ColorInput,
     /// Index of refraction of the dielectric, ≥ 1 (or 0, glTF's word for "F0 = 1").
     pub ior: f32,
+    /// KHR_materials_dispersion: 20 over the Abbe number, ≥ 0, of bodies (with a `volume`); `ior` is then that of the
+    /// helium d line. 0: all wavelengths are refracted alike.
+    pub dispersion: f32,
     /// Share of the dielectric's diffuse part that is transmitted instead.
     pub transmission: ScalarInput,
     /// `Some`: the surface bounds a solid, transmission refracts and is absorbed. `None`: a thin wall.
@@ -200,6 +203,7 @@ impl Default for MetalRough {
             specular: ScalarInput::constant(1.0),
             specular_color: ColorInput::WHITE,
             ior: 1.5,
+            dispersion: 0.0,
             transmission: ScalarInput::constant(0.0),
             volume: None,
             layers: None,

@@ -103,7 +103,7 @@ fn check_material(scene: &Scene, i: usize) -> Result<(), InvalidScene> {
                 l.scalars().into_iter().all(scalar) && colors && normal && rest
             });
             let colors = color(&m.base_color) && color(&m.specular_color);
-            colors && scalars.into_iter().all(scalar) && ok(m.ior) && v && layers
+            colors && scalars.into_iter().all(scalar) && ok(m.ior) && ok(m.dispersion) && v && layers
         }
         Surface::Phong(p) => {
             let colors = [&p.ambient, &p.diffuse, &p.specular, &p.mirror, &p.transmission];
