@@ -62,11 +62,17 @@ fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, String> {
 
 /// Whether an asset is to be shown in its own light.
 ///
-/// In glTF files emissive surfaces are mostly screens and lamps that nobody means to light the asset with: rasterisers
-/// let them light nothing. There only punctual lights count, and emission stronger than the core format can say
-/// (KHR_materials_emissive_strength).
+/// In glTF and OBJ files emissive surfaces are mostly screens, lamps and exporters' habits that nobody means to light the asset
+/// with: rasterisers let them light nothing. There only punctual lights count, and emission stronger than a display's white
+/// (KHR_materials_emissive_strength; the lamps of OBJ scenes for path tracers).
 pub fn lights_itself(scene: &Scene, format: Option<Format>) -> bool {
-    has_own_light(scene, if format == Some(Format::Gltf) { 1.0 } else { 0.0 })
+    let least = match format {
+        Some(Format::Gltf) => 1.0,
+        // A lamp may be just as bright as white.
+        Some(Format::Obj) => 0.99,
+        Some(Format::Ray) | None => 0.0,
+    };
+    has_own_light(scene, least)
 }
 
 /// The light that an asset gets beside its own, with the manifest's words for what lights it.
@@ -123,6 +129,9 @@ mod tests {
         assert_eq!(words(&lit, &EnvironmentSettings::Constant([1.0; 3])), "own + constant");
         // A glTF file's emission is a lamp only when it is stronger than 1.
         assert!(!lights_itself(&lit, Some(Format::Gltf)) && lights_itself(&lit, Some(Format::Obj)));
+        let faint = Material { emission: ColorInput::constant([0.1; 3]), ..Material::default() };
+        assert!(!lights_itself(&drawn(faint.clone()), Some(Format::Obj)));
+        assert!(lights_itself(&drawn(faint), Some(Format::Ray)));
         let strong = Material { emission: ColorInput::constant([0.0, 5.0, 0.0]), ..Material::default() };
         assert!(lights_itself(&drawn(strong), Some(Format::Gltf)));
     }

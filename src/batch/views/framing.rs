@@ -1,3 +1,4 @@
+use super::side::is_seen;
 use super::{AZIMUTH, ELEVATION, HALF_FIELD, MARGIN, UpFrame, half_tangents, points};
 use glam::DVec3;
 use kiln_formats::Scene;
@@ -76,9 +77,13 @@ pub fn looking(eye: DVec3, forward: DVec3, up: DVec3, aspect: f64) -> Camera {
 }
 
 /// The three-quarter view from the front, the right and above that shows the whole asset as large as the margin
-/// allows.
+/// allows; where nothing but backs that cameras look through would be seen from there, the view from behind or from below.
 pub fn frame(scene: &Scene, axes: &UpFrame, aspect: f64) -> Camera {
-    let forward = -(axes.around(AZIMUTH) * libm::cos(ELEVATION) + axes.up * libm::sin(ELEVATION));
+    let towards =
+        |(azimuth, elevation): (f64, f64)| axes.around(azimuth) * libm::cos(elevation) + axes.up * libm::sin(elevation);
+    let usual = (AZIMUTH, ELEVATION);
+    let sides = [usual, (AZIMUTH + std::f64::consts::PI, ELEVATION), (AZIMUTH, -ELEVATION)];
+    let forward = -towards(sides.into_iter().find(|side| is_seen(scene, towards(*side))).unwrap_or(usual));
     let right = forward.cross(axes.up).normalize();
     let up = right.cross(forward);
     let Some(bounds) = points::bounds(scene) else {

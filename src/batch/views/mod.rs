@@ -3,6 +3,7 @@
 mod camera;
 mod framing;
 mod points;
+mod side;
 mod turntable;
 
 pub use points::{bounds, for_each as for_each_point};
