@@ -1,6 +1,6 @@
 use super::views;
 use kiln_formats::scene::{
-    AlphaMode, ColorSpace, Light, LightKind, Material, Pixels, Projection, Surface, Texture, UpAxis,
+    AlphaMode, ColorSpace, Filter, Light, LightKind, Material, Pixels, Projection, Surface, Texture, UpAxis, Wrap,
 };
 use kiln_formats::{Contents, Format, Imported, Scene, Warning};
 use serde::Serialize;
@@ -70,6 +70,10 @@ pub struct TextureFacts {
     pub bits: u32,
     /// `srgb` or `linear`.
     pub color_space: &'static str,
+    /// `repeat`, `mirror` or `clamp`, along u and v.
+    pub wrap: [&'static str; 2],
+    /// `linear` or `nearest`.
+    pub filter: &'static str,
 }
 
 /// A light.
@@ -157,6 +161,15 @@ fn texture(scene: &Scene, texture: &Texture) -> Option<TextureFacts> {
         color_space: match texture.color_space {
             ColorSpace::Srgb => "srgb",
             ColorSpace::Linear => "linear",
+        },
+        wrap: [texture.wrap_u, texture.wrap_v].map(|wrap| match wrap {
+            Wrap::Repeat => "repeat",
+            Wrap::Mirror => "mirror",
+            Wrap::Clamp => "clamp",
+        }),
+        filter: match texture.filter {
+            Filter::Linear => "linear",
+            Filter::Nearest => "nearest",
         },
     })
 }

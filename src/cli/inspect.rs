@@ -225,7 +225,10 @@ fn material(m: &MaterialFacts) -> String {
 }
 
 fn texture(t: &TextureFacts) -> String {
-    format!("{}×{}, {} bit {}, {}", t.width, t.height, t.bits, t.color_space, quoted(&t.name))
+    let [u, v] = t.wrap;
+    let wrap = if u == v { u.to_owned() } else { format!("{u}/{v}") };
+    let nearest = if t.filter == "nearest" { ", nearest" } else { "" };
+    format!("{}×{}, {} bit {}, {wrap}{nearest}, {}", t.width, t.height, t.bits, t.color_space, quoted(&t.name))
 }
 
 fn quoted(name: &str) -> String {
