@@ -16,6 +16,7 @@ fn note(extension: &str) -> &'static str {
         }
         "KHR_draco_mesh_compression" => "all attributes that are read at all",
         "KHR_lights_punctual" => "range and spot cones included; candela and lux are taken as W/sr and W/m²",
+        "KHR_materials_dispersion" => "paths go on with one wavelength each, bent by Cauchy's formula",
         "KHR_materials_variants" => "`--variant NAME`, or `all` for pictures of each",
         "KHR_texture_basisu" => "KTX2 with ETC1S or UASTC, Zstandard included",
         _ => "",
@@ -31,8 +32,8 @@ pub fn markdown() -> String {
          `unsupported-extension`, or the error `unsupported` where the file requires it.\n\n\
          ## glTF 2.0 (`.gltf`, `.glb`)\n\n\
          Triangles, strips and fans; sparse, normalised and quantised accessors; data URIs; skins and morph targets in the\n\
-         rest pose or at a moment of an animation (STEP, LINEAR, CUBICSPLINE); perspective and orthographic cameras. Points\n\
-         and lines are counted and not drawn.\n\n\
+         rest pose or at a moment of an animation (STEP, LINEAR, CUBICSPLINE); any two sets of texture coordinates a\n\
+         material; perspective and orthographic cameras. Points and lines are counted and not drawn.\n\n\
          | extension | | |\n|---|---|---|\n",
     );
     for name in extensions::SUPPORTED {

@@ -3,6 +3,7 @@
 use super::layers::Object;
 use super::report::Report;
 use super::textures::Textures;
+use super::uv_sets::{FIRST_TWO, UvSets};
 use crate::scene::{
     Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Layers, Material, MetalRough, NormalMap, ScalarInput, Surface,
     TextureRef, UvTransform, Volume,
@@ -23,9 +24,21 @@ pub(super) struct Materials {
     pub(super) textures: Textures,
     /// Ids by (glTF material or default, without what needs tangents).
     ids: std::collections::BTreeMap<(Option<usize>, bool), u32>,
+    /// Texture coordinates that each of the file's materials reads.
+    uv_sets: Vec<UvSets>,
 }
 
 impl Materials {
+    /// None yet, of a file whose materials read these texture coordinates.
+    pub(super) fn reading(uv_sets: Vec<UvSets>) -> Self {
+        Self { uv_sets, ..Self::default() }
+    }
+
+    /// The sets of texture coordinates of a glTF material.
+    pub(super) fn uv_sets(&self, material: Option<usize>) -> UvSets {
+        material.and_then(|m| self.uv_sets.get(m)).copied().unwrap_or(FIRST_TWO)
+    }
+
     /// The id of a glTF material (`None`: the default one), converted on first use.
     pub(super) fn id(&mut self, root: &json::Root, material: Option<usize>, report: &mut Report) -> u32 {
         if let Some(id) = self.ids.get(&(material, false)) {
@@ -34,7 +47,8 @@ impl Materials {
         let fallback = source::Material::default();
         let found = material.and_then(|m| root.materials.get(m)).unwrap_or(&fallback);
         let place = material.map_or_else(String::new, |m| format!("/materials/{m}"));
-        let converted = Converter { root, textures: &mut self.textures, report, place }.material(found);
+        let uv_sets = self.uv_sets(material);
+        let converted = Converter { root, textures: &mut self.textures, report, place, uv_sets }.material(found);
         self.list.push(converted);
         let id = (self.list.len() - 1) as u32;
         self.ids.insert((material, false), id);
@@ -72,6 +86,7 @@ pub(super) struct Converter<'a, 'r> {
     pub(super) report: &'a mut Report<'r>,
     /// JSON pointer of the material.
     pub(super) place: String,
+    uv_sets: UvSets,
 }
 
 impl Converter<'_, '_> {
@@ -196,6 +211,9 @@ impl Converter<'_, '_> {
                 distance = f32::INFINITY;
             }
             surface.volume = Some(Volume { attenuation_color: color, attenuation_distance: distance });
+            if let Some(e) = Object::of(extensions, "KHR_materials_dispersion") {
+                surface.dispersion = self.factor(e.number("dispersion", 0.0), f32::MAX, &e.at("dispersion"));
+            }
         }
     }
 
@@ -233,14 +251,14 @@ impl Converter<'_, '_> {
             return None;
         }
         let set = transform.and_then(|t| t.tex_coord).unwrap_or(set);
-        let Some(uv_set) = u8::try_from(set).ok().filter(|s| *s <= 1) else {
-            self.report.warn(
-                "texcoord-ignored",
-                place(),
-                format!("TEXCOORD_{set} is not read: the texture is left out"),
-            );
+        let Some(uv_set) = self.uv_sets.iter().position(|s| *s == set) else {
+            let [one, two] = self.uv_sets;
+            let message =
+                format!("TEXCOORD_{set} is not read beside TEXCOORD_{one} and TEXCOORD_{two}: the texture is left out");
+            self.report.warn("texcoord-ignored", place(), message);
             return None;
         };
+        let uv_set = uv_set as u8;
         let transform = transform.map_or(UvTransform::IDENTITY, uv_transform);
         let finite = transform.linear.as_flattened().iter().chain(&transform.offset).all(|x| x.is_finite());
         let transform = if finite { transform } else { UvTransform::IDENTITY };

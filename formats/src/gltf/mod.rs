@@ -31,6 +31,7 @@ mod report;
 mod textures;
 mod triangles;
 mod uri;
+mod uv_sets;
 mod variants;
 
 use crate::scene::{Instance, Scene, UpAxis};
@@ -98,6 +99,7 @@ fn read(
         report.once("animation-ignored", "/animations", message);
     }
     let local = nodes::local_transforms(&json, report);
+    let materials = Materials::reading(uv_sets::of_materials(&json));
     let mut root = document::read(&mut json, storage, report)?;
     drop(json);
     let hierarchy = nodes::compose(&root, &local, resources.limits().max_nesting)?;
@@ -107,7 +109,7 @@ fn read(
     control.begin((root.meshes.iter().map(|m| m.primitives.len()).sum::<usize>() + root.images.len()) as u64);
 
     let mut scene = Scene { up: UpAxis::Y, ..Scene::default() };
-    let materials = geometry(accessors, &hierarchy, resources, &mut scene, report, control)?;
+    let materials = geometry(accessors, &hierarchy, materials, resources, &mut scene, report, control)?;
     for node in &hierarchy.shown {
         let world = hierarchy.world.get(*node).copied().unwrap_or(DAffine3::IDENTITY);
         scene.cameras.extend(cameras::at_node(&root, *node, &world, report));
@@ -128,6 +130,7 @@ type Placed = (u32, Option<DAffine3>);
 fn geometry(
     accessors: Accessors,
     hierarchy: &Hierarchy,
+    mut materials: Materials,
     resources: &Resources,
     scene: &mut Scene,
     report: &mut Report,
@@ -135,7 +138,6 @@ fn geometry(
 ) -> Result<Materials, ImportError> {
     let root = accessors.root;
     check_size(&accessors, &hierarchy.shown, resources.limits().max_triangles)?;
-    let mut materials = Materials::default();
     let mut poses: BTreeMap<PoseKey, Vec<Placed>> = BTreeMap::new();
     let mut reader = Reader {
         accessors,
@@ -227,7 +229,8 @@ fn read_mesh(
             reader.report.warn("missing-material", format!("{place}/material"), message);
         }
         let tangents = known.and_then(|m| root.materials.get(m)).is_some_and(layers::may_need_tangents);
-        let posed = reader.read(primitive, &place, pose, tangents)?;
+        let sets = materials.uv_sets(known);
+        let posed = reader.read(primitive, &place, pose, tangents, sets)?;
         reader.control.advance(1);
         let Some(mut posed) = posed else { continue };
         let mut material = materials.id(root, known, reader.report);

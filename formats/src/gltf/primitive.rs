@@ -5,6 +5,7 @@ use super::document::invalid;
 use super::pose::{self, Pose, Target};
 use super::report::Report;
 use super::triangles;
+use super::uv_sets::UvSets;
 use crate::scene::Mesh;
 use crate::{Control, ImportError, repair};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -38,7 +39,8 @@ impl Reader<'_, '_> {
         self.first_nothing.get_or_insert((place, why));
     }
 
-    /// Reads a primitive; `None` when it has nothing to draw. `tangents`: whether given tangents are wanted.
+    /// Reads a primitive; `None` when it has nothing to draw. `tangents`: whether given tangents are wanted, `sets`: which
+    /// texture coordinates.
     ///
     /// # Errors
     /// [`crate::ErrorCode::Invalid`] at the JSON pointer of what cannot be read; [`crate::ErrorCode::Stopped`].
@@ -48,6 +50,7 @@ impl Reader<'_, '_> {
         place: &str,
         pose: &Pose,
         tangents: bool,
+        sets: UvSets,
     ) -> Result<Option<Posed>, ImportError> {
         self.control.check()?;
         let Checked::Valid(mode) = primitive.mode else {
@@ -91,8 +94,8 @@ impl Reader<'_, '_> {
         if tangents && !mesh.normals.is_empty() {
             mesh.tangents = self.optional(primitive, Semantic::Tangents, count, select, place)?;
         }
-        for (set, uvs) in mesh.uvs.iter_mut().enumerate() {
-            *uvs = self.optional(primitive, Semantic::TexCoords(set as u32), count, select, place)?;
+        for (set, uvs) in sets.into_iter().zip(&mut mesh.uvs) {
+            *uvs = self.optional(primitive, Semantic::TexCoords(set), count, select, place)?;
         }
         mesh.colors = self.colors(primitive, count, select, place)?;
         self.control.check()?;
