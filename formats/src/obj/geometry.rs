@@ -1,6 +1,6 @@
 //! From the sound text to meshes, through `tobj`.
 
-use super::scan::Scan;
+use super::scan::{Part, Scan};
 use super::smooth::smooth;
 use crate::repair::triangulate::Triangulator;
 use crate::scene::Mesh;
@@ -48,15 +48,16 @@ impl BufRead for Pieces<'_> {
     }
 }
 
-/// Parses with `tobj`, triangulates, and moves the coordinates near the origin if they are far from it.
+/// Has `tobj` parse the statements: a model for each part.
 ///
 /// # Errors
 /// [`ErrorCode::Stopped`]; [`ErrorCode::Syntax`] should `tobj` refuse the text after all.
-pub(super) fn build(scan: &Scan, control: &Control) -> Result<Geometry, ImportError> {
-    let mut pieces: Vec<&[u8]> = vec![&scan.vertices];
-    for part in &scan.parts {
+pub(super) fn parse(scan: &Scan, control: &Control) -> Result<Vec<tobj::Model>, ImportError> {
+    let mut pieces: Vec<&[u8]> = scan.vertices.iter().collect();
+    for faces in &scan.faces {
         // tobj ends a model at every `o`. All vertices stand before the first face, so none is out of its reach.
-        pieces.extend([b"o part\n".as_slice(), &part.faces]);
+        pieces.push(b"o part\n");
+        pieces.extend(faces.iter());
     }
     let mut reader = Pieces { pieces: pieces.into_iter(), current: &[], control };
     let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
@@ -64,12 +65,20 @@ pub(super) fn build(scan: &Scan, control: &Control) -> Result<Geometry, ImportEr
     let loaded = tobj::load_obj_buf(&mut reader, &options, no_materials);
     control.check()?;
     let (models, _) = loaded.map_err(|e| ImportError::new(ErrorCode::Syntax, format!("cannot be parsed: {e}")))?;
+    Ok(models)
+}
+
+/// Triangulates, and moves the coordinates near the origin if they are far from it.
+///
+/// # Errors
+/// [`ErrorCode::Stopped`].
+pub(super) fn build(models: Vec<tobj::Model>, parts: &[Part], control: &Control) -> Result<Geometry, ImportError> {
     let origin = far_centre(models.iter().flat_map(|m| points(&m.mesh.positions)));
     let color_scale = color_scale(&models);
     let mut triangulator = Triangulator::default();
     let mut meshes = Vec::with_capacity(models.len());
     let mut groups = Vec::with_capacity(models.len());
-    for (model, part) in models.into_iter().zip(&scan.parts) {
+    for (model, part) in models.into_iter().zip(parts) {
         let (mesh, of_triangles) = to_mesh(model.mesh, &part.groups, origin, color_scale, &mut triangulator, control)?;
         meshes.push(mesh);
         groups.push(of_triangles);

@@ -18,6 +18,7 @@ mod map;
 mod material;
 mod mtl;
 mod number;
+mod pieces;
 pub(crate) mod scan;
 mod smooth;
 mod text;
@@ -55,6 +56,8 @@ fn import_logged(
 ) -> Result<Scene, ImportError> {
     let text = text::decode(bytes)?;
     let scan = scan::scan(&text, resources.limits().max_triangles, log, control)?;
+    let models = geometry::parse(&scan, control)?;
+    let scan = scan.without_text();
     drop(text);
     let libraries = libraries::Libraries::load(&scan.libraries, resources, log, control)?;
     // Only materials that faces use.
@@ -79,7 +82,7 @@ fn import_logged(
         });
     }
     (scene.images, scene.textures) = (textures.images, textures.textures);
-    let geometry = geometry::build(&scan, control)?;
+    let geometry = geometry::build(models, &scan.parts, control)?;
     for (part, mesh) in scan.parts.iter().zip(geometry.meshes) {
         let material = ids.get(&part.material).copied().unwrap_or_default();
         let material_name = scene.materials.get(material as usize).map_or("", |m| m.name.as_str());

@@ -40,6 +40,101 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
+/// Numbers that need no second look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Plain {
+    pub(super) count: u32,
+    /// Whether any is not zero.
+    pub(super) not_zero: bool,
+}
+
+/// Takes operands that are nothing but short decimal numbers without exponents, as nearly all are; `None` for any others,
+/// sound ones included.
+pub(super) fn plain_decimals(operands: &str) -> Option<Plain> {
+    let bytes = operands.as_bytes();
+    let mut plain = Plain::default();
+    let mut at = 0;
+    loop {
+        while bytes.get(at).is_some_and(|b| is_blank(*b)) {
+            at += 1;
+        }
+        if at == bytes.len() {
+            return Some(plain);
+        }
+        if matches!(bytes.get(at), Some(b'-')) {
+            at += 1;
+        }
+        let before = plain_digits(bytes, &mut at, &mut plain.not_zero);
+        let mut after = 0;
+        if bytes.get(at) == Some(&b'.') {
+            at += 1;
+            after = plain_digits(bytes, &mut at, &mut plain.not_zero);
+        }
+        let ends = bytes.get(at).is_none_or(|b| is_blank(*b));
+        if !ends || !(1..=30).contains(&(before + after)) {
+            return None;
+        }
+        plain.count += 1;
+    }
+}
+
+#[inline]
+fn plain_digits(bytes: &[u8], at: &mut usize, not_zero: &mut bool) -> usize {
+    let start = *at;
+    while let Some(digit @ b'0'..=b'9') = bytes.get(*at) {
+        *not_zero |= *digit != b'0';
+        *at += 1;
+    }
+    *at - start
+}
+
+/// A positive whole number of at most nine digits, after which `at` stands.
+#[inline]
+fn plain_index(bytes: &[u8], at: &mut usize) -> Option<u32> {
+    let start = *at;
+    let mut value = 0;
+    while let Some(digit @ b'0'..=b'9') = bytes.get(*at) {
+        if *at - start == 9 {
+            return None;
+        }
+        value = value * 10 + u32::from(digit - b'0');
+        *at += 1;
+    }
+    (value > 0).then_some(value)
+}
+
+/// Takes the corners of a face that are nothing but positive indices, as nearly all are: calls `corner` with each, 0 for an
+/// index that it lacks. False for any others, sound ones included, or when `corner` says so.
+pub(super) fn plain_corners(corners: &str, mut corner: impl FnMut([u32; 3]) -> bool) -> bool {
+    let bytes = corners.as_bytes();
+    let mut at = 0;
+    loop {
+        while bytes.get(at).is_some_and(|b| is_blank(*b)) {
+            at += 1;
+        }
+        if at == bytes.len() {
+            return true;
+        }
+        let Some(position) = plain_index(bytes, &mut at) else { return false };
+        let mut indices = [position, 0, 0];
+        if bytes.get(at) == Some(&b'/') {
+            at += 1;
+            if bytes.get(at) != Some(&b'/') {
+                let Some(texcoord) = plain_index(bytes, &mut at) else { return false };
+                indices[1] = texcoord;
+            }
+            if bytes.get(at) == Some(&b'/') {
+                at += 1;
+                let Some(normal) = plain_index(bytes, &mut at) else { return false };
+                indices[2] = normal;
+            }
+        }
+        if !bytes.get(at).is_none_or(|b| is_blank(*b)) || !corner(indices) {
+            return false;
+        }
+    }
+}
+
 /// What a word is that is a decimal number within ±[`LARGEST`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Decimal {
@@ -157,6 +252,31 @@ mod tests {
         assert_eq!(decimal(b"0e5"), Some(Decimal::Zero));
         assert_eq!(decimal(b"0.001"), Some(Decimal::NotZero));
         assert_eq!(decimal(&[b'9'; 400]), None);
+    }
+
+    #[test]
+    fn plain_numbers_are_some_of_the_sound_ones() {
+        let plain = |count, not_zero| Some(Plain { count, not_zero });
+        assert_eq!(plain_decimals(" 1 -2.5\t.5 7. \r"), plain(4, true));
+        assert_eq!(plain_decimals(" 0 -0.0 000"), plain(3, false));
+        assert_eq!(plain_decimals(""), plain(0, false));
+        for other in ["1e5", "+1", "1 2 #3", "-", ".", "1.2.3", "1,5", "nan", "1 2x", "1234567890123456789012345678901"]
+        {
+            assert_eq!(plain_decimals(other), None, "{other}");
+        }
+        let all = |text: &str| {
+            let mut seen = Vec::new();
+            let plain = plain_corners(text, |corner| {
+                seen.push(corner);
+                true
+            });
+            plain.then_some(seen)
+        };
+        assert_eq!(all(" 1 2/3  4//5 6/7/8\r"), Some(vec![[1, 0, 0], [2, 3, 0], [4, 0, 5], [6, 7, 8]]));
+        for other in ["1/", "1//", "0 1 2", "-1 -2 -3", "1/0/1", "1/2/3/4", "1 2 3 # end", "1234567890", "1/ /2", "+1"]
+        {
+            assert_eq!(all(other), None, "{other}");
+        }
     }
 
     #[test]

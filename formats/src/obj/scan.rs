@@ -2,10 +2,12 @@
 
 use super::log::Log;
 use super::number::Words;
+use super::pieces::Pieces;
 use super::text::Lines;
 use super::vertices::with_all_colors;
 use crate::{Control, ErrorCode, ImportError, Place};
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 
 /// Faces that share a material and the kinds of attributes that they have. Becomes one mesh.
 pub(super) struct Part {
@@ -13,25 +15,39 @@ pub(super) struct Part {
     pub(super) material: Option<u32>,
     /// The object or group of its first face, or empty.
     pub(super) name: String,
-    /// The `f` statements, sound and in the file's order.
-    pub(super) faces: Vec<u8>,
     /// Their smoothing groups, or empty: they have normals, or are flat.
     pub(super) groups: Vec<u32>,
 }
 
 /// A sound OBJ file, sorted: what `tobj` parses, and what it is not asked.
 #[derive(Default)]
-pub(super) struct Scan {
+pub(super) struct Scan<'t> {
     /// The `v`, `vt` and `vn` statements: three numbers or six (when any vertex has a colour), two, and three.
-    pub(super) vertices: Vec<u8>,
+    pub(super) vertices: Pieces<'t>,
     /// Whether vertices have colours.
     pub(super) has_colors: bool,
     /// Faces, sorted.
     pub(super) parts: Vec<Part>,
+    /// The `f` statements of each part, sound and in the file's order.
+    pub(super) faces: Vec<Pieces<'t>>,
     /// Names by `usemtl` with the lines of their first use.
     pub(super) materials: Vec<(u32, String)>,
     /// Operands of the `mtllib` statements with their lines.
     pub(super) libraries: Vec<(u32, String)>,
+}
+
+impl Scan<'_> {
+    /// What is left to know once the statements have been parsed.
+    pub(super) fn without_text(self) -> Scan<'static> {
+        Scan {
+            vertices: Pieces::default(),
+            faces: Vec::new(),
+            parts: self.parts,
+            has_colors: self.has_colors,
+            materials: self.materials,
+            libraries: self.libraries,
+        }
+    }
 }
 
 /// How many there are of each kind of vertex data.
@@ -56,8 +72,9 @@ pub(super) struct Deferred {
 pub(super) type PartKey = (Option<u32>, bool, bool, bool);
 
 #[derive(Default)]
-pub(super) struct Scanner {
-    pub(super) scan: Scan,
+pub(super) struct Scanner<'t> {
+    text: &'t str,
+    pub(super) scan: Scan<'t>,
     pub(super) counts: Counts,
     /// Numbers (from 1, ascending) of vertex data that cannot be used.
     pub(super) bad_positions: Vec<u32>,
@@ -96,14 +113,19 @@ pub(crate) const HARMLESS: [&str; 23] = [
 /// # Errors
 /// [`ErrorCode::Empty`] for a text without faces, [`ErrorCode::Invalid`] when none of them is sound,
 /// [`ErrorCode::TooLarge`] beyond `max_triangles`, [`ErrorCode::Stopped`].
-pub(super) fn scan(text: &str, max_triangles: u64, log: &mut Log, control: &Control) -> Result<Scan, ImportError> {
-    let mut scanner = Scanner::default();
-    scanner.scan.vertices.reserve(text.len() / 2);
+pub(super) fn scan<'t>(
+    text: &'t str,
+    max_triangles: u64,
+    log: &mut Log,
+    control: &Control,
+) -> Result<Scan<'t>, ImportError> {
+    let mut scanner = Scanner { text, ..Scanner::default() };
+    scanner.scan.vertices = Pieces::of(text);
     control.begin(text.len() as u64);
     let mut lines = Lines::new(text);
     let (mut statements, mut left) = (0_u32, text.len());
-    while let Some((line, statement)) = lines.next() {
-        scanner.statement(line, statement, log);
+    while let Some((line, statement, span)) = lines.next_with_span() {
+        scanner.statement(line, statement, span, log);
         statements = statements.wrapping_add(1);
         if statements.is_multiple_of(8192) {
             control.check()?;
@@ -119,7 +141,7 @@ pub(super) fn scan(text: &str, max_triangles: u64, log: &mut Log, control: &Cont
     scanner.finish(log)
 }
 
-impl Scanner {
+impl<'t> Scanner<'t> {
     fn check_limit(&self, max_triangles: u64) -> Result<(), ImportError> {
         if self.triangles > max_triangles {
             let message = format!("{} triangles or more exceed the limit of {max_triangles}", self.triangles);
@@ -128,15 +150,17 @@ impl Scanner {
         Ok(())
     }
 
-    fn statement(&mut self, line: u32, statement: &str, log: &mut Log) {
+    fn statement(&mut self, line: u32, statement: &str, span: Option<Range<usize>>, log: &mut Log) {
         let mut words = Words::new(statement);
         let Some(keyword) = words.next() else { return };
         let operands = statement.get(words.end()..).unwrap_or("");
+        // What is indented is rare, and `fo` is for `tobj` no face.
+        let span = span.filter(|_| words.end() == keyword.len() && keyword != b"fo");
         match keyword {
-            b"v" => self.position(line, operands, log),
-            b"vt" => self.texcoord(line, operands, log),
-            b"vn" => self.normal(line, operands, log),
-            b"f" | b"fo" => self.face(line, operands, log),
+            b"v" => self.position(line, operands, span, log),
+            b"vt" => self.texcoord(line, operands, span, log),
+            b"vn" => self.normal(line, operands, span, log),
+            b"f" | b"fo" => self.face(line, operands, span, log),
             b"l" => self.skip("lines", line),
             b"p" => self.skip("points", line),
             // Not longer than is of use: every face that waits keeps a copy.
@@ -181,7 +205,12 @@ impl Scanner {
         self.material = Some(index);
     }
 
-    fn finish(mut self, log: &mut Log) -> Result<Scan, ImportError> {
+    /// Nothing yet, for another part.
+    pub(super) fn no_pieces(&self) -> Pieces<'t> {
+        Pieces::of(self.text)
+    }
+
+    fn finish(mut self, log: &mut Log) -> Result<Scan<'t>, ImportError> {
         for (what, (line, count)) in &self.skipped {
             let free_form = *what == "free-form elements";
             let code = if free_form { "unsupported-element" } else { "points-or-lines-not-drawn" };

@@ -1,16 +1,28 @@
 //! Checks of `v`, `vt` and `vn` statements.
 
 use super::log::Log;
-use super::number::{Decimal, LARGEST, Words, decimal, value};
+use super::number::{Decimal, LARGEST, Words, decimal, plain_decimals, value};
+use super::pieces::Pieces;
 use super::scan::{Scanner, short};
+use std::ops::Range;
 
-impl Scanner {
-    pub(super) fn position(&mut self, line: u32, operands: &str, log: &mut Log) {
+/// Where a statement stands in the text that can be passed on as it stands.
+type Span = Option<Range<usize>>;
+
+impl Scanner<'_> {
+    pub(super) fn position(&mut self, line: u32, operands: &str, span: Span, log: &mut Log) {
         self.counts.positions += 1;
+        if let Some(span) = span
+            && let Some(plain) = plain_decimals(operands)
+            && matches!(plain.count, 3 | 6)
+        {
+            self.colored += u32::from(plain.count == 6);
+            return self.scan.vertices.borrow(span);
+        }
         let mut words = Words::new(operands);
         let sound = (0..3).all(|_| words.next().is_some_and(|w| decimal(w).is_some()));
         let end = words.end();
-        let out = &mut self.scan.vertices;
+        let out = self.scan.vertices.own();
         out.extend_from_slice(b"v");
         if !sound {
             out.extend_from_slice(b" 0 0 0\n");
@@ -50,11 +62,16 @@ impl Scanner {
         out.push(b'\n');
     }
 
-    pub(super) fn texcoord(&mut self, line: u32, operands: &str, log: &mut Log) {
+    pub(super) fn texcoord(&mut self, line: u32, operands: &str, span: Span, log: &mut Log) {
         self.counts.texcoords += 1;
+        if let Some(span) = span
+            && plain_decimals(operands).is_some_and(|plain| matches!(plain.count, 2 | 3))
+        {
+            return self.scan.vertices.borrow(span);
+        }
         let mut words = Words::new(operands);
         let (u, v) = (words.next(), words.next().unwrap_or(b"0"));
-        let out = &mut self.scan.vertices;
+        let out = self.scan.vertices.own();
         match u {
             Some(u) if decimal(u).is_some() && decimal(v).is_some() => {
                 out.extend_from_slice(b"vt ");
@@ -71,13 +88,18 @@ impl Scanner {
         }
     }
 
-    pub(super) fn normal(&mut self, line: u32, operands: &str, log: &mut Log) {
+    pub(super) fn normal(&mut self, line: u32, operands: &str, span: Span, log: &mut Log) {
         self.counts.normals += 1;
+        if let Some(span) = span
+            && plain_decimals(operands).is_some_and(|plain| plain.count == 3 && plain.not_zero)
+        {
+            return self.scan.vertices.borrow(span);
+        }
         let mut words = Words::new(operands);
         let mut number = || words.next().and_then(decimal);
         let kinds = [number(), number(), number()];
         let end = words.end();
-        let out = &mut self.scan.vertices;
+        let out = self.scan.vertices.own();
         out.extend_from_slice(b"vn");
         if kinds.iter().all(Option::is_some) && kinds.contains(&Some(Decimal::NotZero)) {
             out.extend_from_slice(operands.get(..end).unwrap_or("").as_bytes());
@@ -93,9 +115,10 @@ impl Scanner {
 }
 
 /// Appends white to the positions without a colour.
-pub(super) fn with_all_colors(vertices: &[u8]) -> Vec<u8> {
-    let mut out = Vec::with_capacity(vertices.len() + vertices.len() / 4);
-    for line in vertices.split(|b| *b == b'\n').filter(|l| !l.is_empty()) {
+pub(super) fn with_all_colors<'t>(vertices: &Pieces<'t>) -> Pieces<'t> {
+    let mut all = Pieces::default();
+    let out = all.own();
+    for line in vertices.iter().flat_map(|run| run.split(|b| *b == b'\n')).filter(|l| !l.is_empty()) {
         out.extend_from_slice(line);
         if line.first_chunk() == Some(b"v ") || line.first_chunk() == Some(b"v\t") {
             let plain = std::str::from_utf8(line).is_ok_and(|l| Words::new(l).count() == 4);
@@ -103,5 +126,5 @@ pub(super) fn with_all_colors(vertices: &[u8]) -> Vec<u8> {
         }
         out.push(b'\n');
     }
-    out
+    all
 }
