@@ -151,6 +151,16 @@ fn small_exponents_hint_at_the_other_dialect() {
 }
 
 #[test]
+fn what_only_ambient_light_shows_is_named() {
+    let scene = |ambient: &str, material: &str| {
+        warnings(&format!("ambient_light {{ color = {ambient}; }} sphere {{ material = {{ {material} }} }}"))
+    };
+    assert_eq!(scene("(1,1,1)", "ambient = (0.5,0,0);"), ["ambient-ignored"]);
+    assert!(scene("(0,0,0)", "ambient = (0.5,0,0);").is_empty());
+    assert!(scene("(1,1,1)", "ambient = (0.5,0,0); diffuse = (0,0,1);").is_empty());
+}
+
+#[test]
 fn bump_maps_are_ignored_with_a_warning() {
     assert_eq!(warnings("sphere { material={ bump_mapping = bump(\"none.png\"); } }"), ["ignored-field"]);
 }

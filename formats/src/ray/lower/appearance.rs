@@ -69,6 +69,8 @@ pub(super) struct Materials {
     /// The place of the first positive `shininess`, while all of them are at most 1.
     small_shininess: Option<Offset>,
     large_shininess: bool,
+    /// The first object that only ambient light can show.
+    ambient_alone: Option<Offset>,
 }
 
 impl Lower<'_, '_> {
@@ -188,6 +190,11 @@ impl Lower<'_, '_> {
                 )
             });
         }
+        let phong = &appearance.phong;
+        let others = [&phong.diffuse, &phong.specular, &phong.mirror, &phong.transmission, &appearance.emission.0];
+        if !phong.ambient.is_black() && others.iter().all(|c| c.is_black()) {
+            self.materials.ambient_alone.get_or_insert(at);
+        }
         let id = self.scene.materials.len() as MaterialId;
         let name = appearance.name.and_then(|i| self.materials.names.get(i as usize));
         self.scene.materials.push(Material {
@@ -228,6 +235,17 @@ impl Lower<'_, '_> {
                 let factor = [0, 1, 2].map(|i| emission.factor[i] + shown[i]);
                 *emission = ColorInput { factor, texture: phong.ambient.texture };
             }
+        }
+    }
+
+    /// Says so when something is black because paths know no ambient light.
+    pub(super) fn warn_about_ambient_alone(&mut self) {
+        if let Some(at) = self.materials.ambient_alone.filter(|_| self.scene.ambient != [0.0; 3]) {
+            self.notes.warn("ambient-ignored", at, || {
+                "only ambient light shows this object, which light paths do not know: it is black (--ray-ambient makes it \
+                 emission, --integrator whitted knows it)"
+                    .into()
+            });
         }
     }
 

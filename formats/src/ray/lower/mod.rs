@@ -109,6 +109,8 @@ impl Lower<'_, '_> {
         self.warn_about_shininess();
         if self.options.emit_ambient {
             self.emit_ambient();
+        } else {
+            self.warn_about_ambient_alone();
         }
         if self.triangles == 0 {
             return Err(ImportError::new(ErrorCode::Empty, "the scene has no geometry"));
