@@ -44,7 +44,8 @@ fn materials_carry_their_extensions() {
             "KHR_materials_ior": {"ior": 1.25},
             "KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [2, 1, 0]},
             "KHR_materials_transmission": {"transmissionFactor": 1},
-            "KHR_materials_volume": {"thicknessFactor": 0.1, "attenuationColor": [0.5, 1, 1], "attenuationDistance": 3}
+            "KHR_materials_volume": {"thicknessFactor": 0.1, "attenuationColor": [0.5, 1, 1], "attenuationDistance": 3},
+            "KHR_materials_dispersion": {"dispersion": 0.5}
         }
     }]);
     b.doc["meshes"][0]["primitives"][0]["material"] = json!(0);
@@ -55,6 +56,7 @@ fn materials_carry_their_extensions() {
     assert_eq!(m.base_color.factor, [0.5, 0.25, 1.0]);
     assert_eq!((m.metallic.factor, m.roughness.factor, m.ior), (0.0, 0.125, 1.25));
     assert_eq!((m.specular.factor, m.specular_color.factor), (0.5, [2.0, 1.0, 0.0]));
+    assert_eq!(m.dispersion, 0.5);
     let volume = m.volume.unwrap();
     assert_eq!((volume.attenuation_color, volume.attenuation_distance), ([0.5, 1.0, 1.0], 3.0));
     assert_eq!(material.emission.factor, [8.0, 4.0, 0.0]);
@@ -250,4 +252,40 @@ fn lights_shine_along_minus_z() {
     assert_eq!(falloff, Falloff::InverseSquare { range: Some(7.0) });
     let LightKind::Spot { inner, outer, .. } = scene.lights[2].kind else { panic!() };
     assert_eq!((inner, outer), (0.25, 0.5));
+}
+
+#[test]
+fn any_two_sets_of_texture_coordinates_can_be_read() {
+    let mut b = triangle();
+    let png = b.view(&gltf_common::png());
+    b.doc["images"] = json!([{"bufferView": png, "mimeType": "image/png"}]);
+    b.doc["textures"] = json!([{"source": 0}]);
+    let texture = |set: u32| json!({"index": 0, "texCoord": set});
+    let rough = json!({"baseColorTexture": texture(3), "metallicRoughnessTexture": texture(1)});
+    b.doc["materials"] =
+        json!([{"pbrMetallicRoughness": rough, "emissiveTexture": texture(4), "emissiveFactor": [1, 1, 1]}]);
+    for set in [0, 1, 3, 4] {
+        let uv = b.floats("VEC2", &[set as f32; 6]);
+        b.doc["meshes"][0]["primitives"][0]["attributes"][format!("TEXCOORD_{set}")] = json!(uv);
+    }
+    b.doc["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let (scene, warnings) = b.import().unwrap();
+    let m = metal_rough(&scene.materials[0]);
+    let read = |texture: Option<kiln_formats::scene::TextureRef>| {
+        texture.map(|t| scene.meshes[0].uvs[usize::from(t.uv_set)][0])
+    };
+    let all = [read(m.base_color.texture), read(m.roughness.texture), read(scene.materials[0].emission.texture)];
+    // Which two of the three are read is the file's order; the third is named.
+    let got = [Some([3.0; 2]), Some([1.0; 2]), Some([4.0; 2])];
+    assert_eq!(all.iter().zip(got).filter(|(a, b)| **a == *b).count(), 2, "{all:?}");
+    assert_eq!(all.iter().filter(|t| t.is_none()).count(), 1, "{all:?}");
+    assert!(warned(&warnings, "texcoord-ignored"));
+}
+
+#[test]
+fn an_empty_picture_is_explained_by_an_index_that_leads_nowhere() {
+    let mut b = triangle();
+    b.doc["nodes"][0] = json!({"camera": 7});
+    let error = b.import().unwrap_err();
+    assert_eq!((error.code.as_str(), error.place.to_string().as_str()), ("invalid", "/nodes/0/camera"));
 }

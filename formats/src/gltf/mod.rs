@@ -27,6 +27,7 @@ mod meshopt;
 mod nodes;
 mod pose;
 mod primitive;
+mod references;
 mod report;
 mod textures;
 mod triangles;
@@ -89,6 +90,7 @@ fn read(
     if let Some(variant) = &show.variant {
         variants::apply(&mut json, variant)?;
     }
+    let unresolved = references::first_unresolved(&json);
     let storage = document::storage(&mut json)?;
     let mut buffers = Buffers::load(&storage, bytes, bin, resources, control)?;
     buffers.set_decoded(meshopt::decode_views(&storage, &buffers, resources.limits(), report, control)?);
@@ -109,7 +111,11 @@ fn read(
     control.begin((root.meshes.iter().map(|m| m.primitives.len()).sum::<usize>() + root.images.len()) as u64);
 
     let mut scene = Scene { up: UpAxis::Y, ..Scene::default() };
-    let materials = geometry(accessors, &hierarchy, materials, resources, &mut scene, report, control)?;
+    let drawn = geometry(accessors, &hierarchy, materials, resources, &mut scene, report, control);
+    let materials = drawn.map_err(|error| match (error.code, unresolved) {
+        (ErrorCode::Empty, Some(why)) if error.place == Place::File => why,
+        _ => error,
+    })?;
     for node in &hierarchy.shown {
         let world = hierarchy.world.get(*node).copied().unwrap_or(DAffine3::IDENTITY);
         scene.cameras.extend(cameras::at_node(&root, *node, &world, report));
