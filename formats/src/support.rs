@@ -1,7 +1,7 @@
 //! What is read and what is not, as a table for the documentation: made of the lists that the importers go by.
 
 use crate::gltf::extensions;
-use crate::obj::scan;
+use crate::obj::{mtl, scan};
 use std::fmt::Write;
 
 /// What a reader should know of an extension beyond its name.
@@ -53,11 +53,14 @@ pub fn markdown() -> String {
     let list = |words: &[&str]| words.iter().map(|w| format!("`{w}`")).collect::<Vec<_>>().join(" ");
     let _ = writeln!(text, "| {} | free-form surfaces: counted and not drawn |", list(&scan::FREE_FORM));
     let _ = writeln!(text, "| {} | no effect on pictures of polygons |", list(&scan::HARMLESS));
+    let _ = writeln!(text, "| MTL: {} | read, with the options of textures |", list(&mtl::READ));
+    let _ = writeln!(text, "| MTL: {} | named in a warning, and without effect |", list(&mtl::NAMED));
     text.push_str(
         "\n## SBT-raytracer scenes (`.ray`)\n\n\
          The language of the ray tracing courses of UT Austin, Washington and HKUST (`--ray-dialect ut|uw|hk`), with the\n\
          `area_light`s of its forks (`light_radius`, `bottom_radius`, `area`, `u` and `v`), meshes with texture coordinates and\n\
-         `objfile`. `spot_light`, `quadric`, `torus`, `csg` and other shapes of single forks are errors that say so.\n\n\
+         `objfile`. `spot_light`, `quadric`, `torus`, `csg` and other shapes of single forks are errors that say so;\n\
+         `bump_mapping` is named in a warning; k_t is per unit of length in every dialect.\n\n\
          | look | |\n|---|---|\n\
          | `--integrator whitted` | the course tracers' shading: mirrors, glass with straight coloured shadows, no indirect light |\n\
          | `--tonemap course` | 8 bits of linear light, cut off, as their files have |\n\
@@ -66,7 +69,7 @@ pub fn markdown() -> String {
          | `--ray-opaque-glass` | glass blocks the light of lamps |\n\n\
          ## Images\n\n\
          PNG, JPEG, WebP, TIFF, TGA, BMP, GIF (its first frame) and Radiance HDR, with 8 or 16 bits or as floats; KTX2 as\n\
-         above. EXR and HDR as environments.\n",
+         above. EXR and HDR as environments. AVIF and DDS are not decoded: textures fall back on their other source.\n",
     );
     text
 }

@@ -16,7 +16,7 @@ mod libraries;
 mod log;
 mod map;
 mod material;
-mod mtl;
+pub(crate) mod mtl;
 mod number;
 mod pieces;
 pub(crate) mod scan;

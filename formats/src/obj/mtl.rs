@@ -71,6 +71,16 @@ impl Mtl {
     }
 }
 
+/// Statements that make the material, as the documentation lists them.
+#[rustfmt::skip]
+pub(crate) const READ: [&str; 29] = [
+    "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "anisor", "map_Kd", "map_Ks",
+    "map_Ke", "map_d", "map_Pr", "map_Pm", "map_Ps", "map_Pc", "map_Pcr", "norm", "map_Kn", "bump", "map_bump",
+];
+
+/// Statements that would change the picture and are named in a warning instead.
+pub(crate) const NAMED: [&str; 8] = ["map_Ns", "map_aniso", "map_anisor", "map_Tr", "disp", "decal", "refl", "Pe"];
+
 /// Statements that change nothing here: ambient terms (a path tracer has its own), hints to scan-line renderers.
 const HARMLESS: [&str; 9] = ["ka", "map_ka", "km", "sharpness", "map_aat", "ctm", "acolor", "illum_type", "kt"];
 
@@ -175,4 +185,23 @@ fn color(operands: &str) -> Option<[f32; 3]> {
     let r = numbers.next()?;
     let g = numbers.next().unwrap_or(r);
     Some([r, g, numbers.next().unwrap_or(g)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_documentation_lists_is_read_or_named() {
+        let warnings_of = |word: &str| {
+            let mut warnings = Vec::new();
+            let mut log = Log::new(&mut warnings);
+            let parsed = parse(&format!("newmtl a\n{word} 1\n"), "a.mtl", &mut log);
+            log.finish();
+            assert_eq!(parsed.len(), 1);
+            warnings.into_iter().map(|w| w.code.to_string()).collect::<Vec<_>>()
+        };
+        READ.iter().for_each(|word| assert!(warnings_of(word).is_empty(), "{word}"));
+        NAMED.iter().for_each(|word| assert_eq!(warnings_of(word), ["unsupported-statement"], "{word}"));
+    }
 }
