@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, and what they share.
 
+mod animate;
 mod batch;
 mod check;
 mod compare;
@@ -75,6 +76,8 @@ enum Command {
     Study(study::StudyCommand),
     /// Write the gallery of a batch's folder anew, or one that compares it with an earlier run
     Gallery(gallery::GalleryCommand),
+    /// Make animated PNG files of a batch's turntables
+    Animate(animate::AnimateCommand),
     /// Tell how much two pictures differ
     Compare(compare::CompareCommand),
     /// Render scenes whose light is known and compare
@@ -115,6 +118,7 @@ pub fn main() -> ExitCode {
         Command::Plan(command) => command.run(),
         Command::Study(command) => command.run(),
         Command::Gallery(command) => command.run(),
+        Command::Animate(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Check(command) => command.run(),
         Command::Thumbnail(command) => command.run(),

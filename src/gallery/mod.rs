@@ -3,6 +3,7 @@
 //! It is made of the folder's `manifest.jsonl` alone, so that a folder of any age or origin can be given one. The page
 //! loads nothing but the pictures beside it.
 
+mod animate;
 mod before;
 mod entry;
 mod page;
@@ -10,6 +11,7 @@ mod record;
 mod views;
 
 use crate::write::atomic;
+pub use animate::{Animated, animate};
 use before::Earlier;
 use entry::{Entry, Words};
 use std::io;

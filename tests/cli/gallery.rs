@@ -54,6 +54,32 @@ fn a_run_is_compared_with_an_earlier_one() {
 }
 
 #[test]
+fn turntables_become_animations() {
+    let dir = folder(&[("in/a.obj", OBJ), ("in/chairs/é.obj", OBJ), ("in/broken.obj", "f 1 2 3\n")]);
+    assert_eq!(code(&batch(dir.path(), &["--out", "out", "--turntable", "3"])), 3);
+    let output = kiln(dir.path(), &["animate", "out", "--fps", "5"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    for name in ["a.obj", "chairs/é.obj"] {
+        let bytes = fs::read(dir.path().join(format!("out/{name}.apng"))).expect(name);
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG file");
+        assert_eq!(reader.info().animation_control().expect("animated").num_frames, 3);
+        let mut last = vec![0; 8 * 8 * 4];
+        (0..3).for_each(|_| drop(reader.next_frame(&mut last).expect("a frame")));
+        let still = fs::read(dir.path().join(format!("out/{name}.002.png"))).expect("the frame's own file");
+        let mut reader = png::Decoder::new(std::io::Cursor::new(still)).read_info().expect("a PNG file");
+        let mut pixels = vec![0; 8 * 8 * 4];
+        reader.next_frame(&mut pixels).expect("whole");
+        assert!(last == pixels, "{name}");
+    }
+    // A frame that has gone is told, and costs that turntable alone.
+    fs::remove_file(dir.path().join("out/a.obj.001.png")).expect("remove");
+    let output = kiln(dir.path(), &["animate", "out"]);
+    assert!(code(&output) == 3 && stderr(&output).contains("a.obj.001.png"), "{}", stderr(&output));
+    assert_eq!(code(&batch(dir.path(), &["--out", "still"])), 3);
+    assert_eq!(code(&kiln(dir.path(), &["animate", "still"])), 1, "no turntables");
+}
+
+#[test]
 fn a_gallery_that_cannot_be_written_is_told() {
     let dir = folder(&[("in/a.obj", OBJ), ("out/index.html/taken", "")]);
     let output = batch(dir.path(), &["--out", "out"]);
