@@ -64,7 +64,9 @@ fn turntables_become_animations() {
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG file");
         assert_eq!(reader.info().animation_control().expect("animated").num_frames, 3);
         let mut last = vec![0; 8 * 8 * 4];
-        (0..3).for_each(|_| drop(reader.next_frame(&mut last).expect("a frame")));
+        for _ in 0..3 {
+            reader.next_frame(&mut last).expect("a frame");
+        }
         let still = fs::read(dir.path().join(format!("out/{name}.002.png"))).expect("the frame's own file");
         let mut reader = png::Decoder::new(std::io::Cursor::new(still)).read_info().expect("a PNG file");
         let mut pixels = vec![0; 8 * 8 * 4];
