@@ -77,14 +77,9 @@ fn shoot(shared: &Path, name: &str, spp: u32) -> Rendered {
 
 /// Our mean and variance of the mean, of every pixel and channel.
 fn estimates(rendered: &Rendered) -> Vec<[(f64, f64); 3]> {
-    let estimate = |means: &[[f64; 4]], c: usize| {
-        let n = means.len() as f64;
-        let mean = means.iter().map(|m| m[c]).sum::<f64>() / n;
-        (mean, means.iter().map(|m| (m[c] - mean).powi(2)).sum::<f64>() / (n - 1.0) / n)
-    };
     let pixel = |p: &kiln::film::PixelSums| {
-        let means: Vec<_> = p.replicate_means(rendered.spp).collect();
-        std::array::from_fn(|c| estimate(&means, c))
+        let (mean, variance) = (p.mean(rendered.spp), p.variance(rendered.spp));
+        std::array::from_fn(|c| (mean[c], variance[c]))
     };
     rendered.film.pixels.iter().map(pixel).collect()
 }
@@ -107,11 +102,13 @@ struct Comparison {
 struct BlockMean {
     difference: f64,
     variance: f64,
+    /// Sum of the squares of the pixels' variances.
+    squares: f64,
     level: f64,
     size: f64,
 }
 
-/// |z| of block `i / 3`, channel `i % 3`.
+/// |z| of block `i / 3`, channel `i % 3`: that which is as improbable as the block's t.
 ///
 /// Where rare paths carry much of the light (caustics), a block that happens to miss them has a mean that is too low
 /// and, for the same reason, an estimate of its variance that is too low. So the variance is the larger one of the block's
@@ -119,10 +116,12 @@ struct BlockMean {
 fn z_of(tests: &[BlockMean], i: usize, across: usize, down: usize) -> f64 {
     let (block, channel) = (i / 3, i % 3);
     let (x, y) = (block % across, block / across);
-    let (mut pooled, mut count) = (0.0, 0.0);
+    let (mut pooled, mut squares, mut count) = (0.0, 0.0, 0.0);
     for v in y.saturating_sub(2)..(y + 3).min(down) {
         for u in x.saturating_sub(2)..(x + 3).min(across) {
-            pooled += tests[3 * (v * across + u) + channel].variance;
+            let near = &tests[3 * (v * across + u) + channel];
+            pooled += near.variance;
+            squares += near.squares;
             count += 1.0;
         }
     }
@@ -131,7 +130,12 @@ fn z_of(tests: &[BlockMean], i: usize, across: usize, down: usize) -> f64 {
     // Where nothing varies (a lamp seen directly) both are exact to the precision of float pictures.
     let rounding = 1e-5 * test.level / size;
     let error = test.variance.max(pooled / count).sqrt() / size;
-    (test.difference / size / error.max(rounding).max(1e-12)).abs()
+    let t = test.difference / size / error.max(rounding).max(1e-12);
+    // Two replicates say as much of a pixel's variance as one number can (Satterthwaite 1946).
+    let own = test.variance > pooled / count;
+    let degrees = if own { test.variance.powi(2) / test.squares } else { pooled.powi(2) / squares };
+    let degrees = if degrees.is_finite() { degrees } else { 1e5 };
+    -statistics::normal_quantile(0.5 * statistics::student_t_two_sided(t, degrees))
 }
 
 /// `trim` leaves out that share of the pixels, those with the largest difference.
@@ -164,6 +168,7 @@ fn compare(ours: &Rendered, reference: &Reference, trim: f64) -> Comparison {
             for p in pixels {
                 mean.difference += ours[p][c].0 - reference.pixels[p][c];
                 mean.variance += ours[p][c].1 * variance_factor;
+                mean.squares += (ours[p][c].1 * variance_factor).powi(2);
                 mean.level += reference.pixels[p][c];
                 mean.size += 1.0;
             }

@@ -6,6 +6,7 @@ mod common;
 use common::everything::{at, everything};
 use common::{add, lambert, shoot, square, view};
 use glam::{DAffine3, DVec3};
+use kiln::film::Estimate;
 use kiln::formats::scene::{
     Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Filter, Image, Layers, NormalMap, Pixels, ScalarInput, Surface,
     Texture, TextureRef, Wrap,
@@ -16,41 +17,36 @@ use kiln::prepare::{EnvironmentSource, prepare};
 use kiln::settings::{EffectSettings, PrepareSettings, RenderSettings, SamplerKind, Strategy};
 use kiln::{Control, Scene};
 
-/// Means of 8×8 blocks and their variances, all channels.
-fn blocks(rendered: &Rendered) -> Vec<(f64, f64)> {
+/// Means of 8×8 blocks, all channels.
+fn blocks(rendered: &Rendered) -> Vec<Estimate> {
     let (w, h) = (rendered.film.width as usize, rendered.film.height as usize);
-    let mut all = Vec::new();
-    for by in 0..h / 8 {
-        for bx in 0..w / 8 {
-            for channel in 0..3 {
-                let (mut mean, mut variance) = (0.0, 0.0);
-                for k in 0..64 {
-                    let pixel = &rendered.film.pixels[(by * 8 + k / 8) * w + bx * 8 + k % 8];
-                    let values: Vec<f64> = pixel.replicate_means(rendered.spp).map(|m| m[channel]).collect();
-                    let n = values.len() as f64;
-                    let own = values.iter().sum::<f64>() / n;
-                    mean += own / 64.0;
-                    variance += values.iter().map(|x| (x - own).powi(2)).sum::<f64>() / (n - 1.0) / n / 64.0 / 64.0;
-                }
-                all.push((mean, variance));
-            }
-        }
-    }
-    all
+    let corners = (0..h / 8).flat_map(|y| (0..w / 8).map(move |x| (x, y)));
+    let channels = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let pixels = |(x, y): (usize, usize)| (0..64).map(move |k| (y * 8 + k / 8) * w + x * 8 + k % 8);
+    corners.flat_map(|corner| channels.map(|c| rendered.film.estimate(pixels(corner), c))).collect()
 }
 
-/// Compares block means by z, with a Šidák-corrected level over all blocks of one pair.
+/// Compares block means by Welch's test, with a Šidák-corrected level over all blocks of one pair.
 fn assert_agree(a: &Rendered, b: &Rendered, what: &str) {
     let (a, b) = (blocks(a), blocks(b));
-    let limit = statistics::normal_quantile(1.0 - statistics::sidak(1e-3, a.len()) / 2.0);
-    let (mut sum_a, mut sum_b, mut variance) = (0.0, 0.0, 0.0);
+    let level = statistics::sidak(1e-3, a.len());
     for (k, (a, b)) in a.iter().zip(&b).enumerate() {
-        let z = (a.0 - b.0) / (a.1 + b.1).sqrt().max(1e-9);
-        assert!(z.abs() < limit, "{what}: block {k}: {} and {}, z = {z}, limit {limit}", a.0, b.0);
-        (sum_a, sum_b, variance) = (sum_a + a.0, sum_b + b.0, variance + a.1 + b.1);
+        let (t, degrees) = welch(a, b);
+        let p = statistics::student_t_two_sided(t, degrees);
+        assert!(p > level, "{what}: block {k}: {} and {}, t = {t} ({degrees} degrees)", a.mean, b.mean);
     }
-    let z = (sum_a - sum_b) / variance.sqrt();
-    assert!(z.abs() < 4.0, "{what}: whole pictures: {sum_a} and {sum_b}, z = {z}");
+    let whole = |all: &[Estimate]| Estimate::mean_of(all).expect("blocks");
+    let (a, b) = (whole(&a), whole(&b));
+    let (t, _) = welch(&a, &b);
+    assert!(t.abs() < 4.0, "{what}: whole pictures: {} and {}, t = {t}", a.mean, b.mean);
+}
+
+/// Student's t of a difference, and its degrees of freedom.
+fn welch(a: &Estimate, b: &Estimate) -> (f64, f64) {
+    let share = |e: &Estimate| e.variance * e.variance / e.degrees;
+    let variance = a.variance + b.variance;
+    let degrees = variance * variance / (share(a) + share(b)).max(1e-300);
+    ((a.mean - b.mean) / variance.sqrt().max(1e-9), degrees.clamp(1.0, 1e5))
 }
 
 /// Renders the scene with everything.

@@ -84,7 +84,10 @@ pub(super) fn judge(film: &Film, e: &Expectation, level: f64) -> Judgement {
             }
             continue;
         }
-        let (got, standard_error, degrees) = mean(film, pixels.clone(), channel);
+        let own = film.estimate(pixels.clone(), std::array::from_fn(|c| f64::from(u8::from(c == channel))));
+        let (got, standard_error) = (own.mean, own.variance.sqrt());
+        // Student's distribution is normal long before its formula loses digits.
+        let degrees = own.degrees.min(1e5);
         let noise = standard_error > e.resolution * expected + e.absolute;
         let t = if beyond(got) == 0.0 { 0.0 } else { beyond(got) / standard_error };
         let verdict = if !(t == 0.0 || student_t_two_sided(t, degrees) > level) {
@@ -102,23 +105,6 @@ pub(super) fn judge(film: &Film, e: &Expectation, level: f64) -> Judgement {
         take(badness, Judgement { expected, got, standard_error, verdict });
     }
     worst.map_or(Judgement { expected: 0.0, got: 0.0, standard_error: 0.0, verdict: Verdict::Error }, |(_, j)| j)
-}
-
-/// Mean of a channel over pixels, its standard error from the spread of the replicates within each pixel, and the
-/// degrees of freedom of that.
-fn mean(film: &Film, pixels: impl Iterator<Item = usize>, channel: usize) -> (f64, f64, f64) {
-    let (mut sum, mut variance, mut count, mut degrees) = (0.0, 0.0, 0.0, 0.0);
-    for pixel in pixels {
-        let replicates: Vec<f64> = film.pixels[pixel].replicate_means(film.spp).map(|m| m[channel]).collect();
-        let n = replicates.len() as f64;
-        let own = replicates.iter().sum::<f64>() / n;
-        sum += own;
-        variance += replicates.iter().map(|x| (x - own) * (x - own)).sum::<f64>() / (n - 1.0) / n;
-        count += 1.0;
-        degrees += n - 1.0;
-    }
-    // Student's distribution is normal long before its formula loses digits.
-    (sum / count, variance.sqrt() / count, degrees.min(1e5))
 }
 
 #[cfg(test)]
@@ -151,12 +137,12 @@ mod tests {
         let verdict =
             |mean, spread, value, relation| judge(&film(mean, spread), &expect(value, relation), 1e-4).verdict;
         use Relation::{AtLeast, AtMost, Equal};
-        // Standard error: spread · √(4/3 / 4) / √16 = 0.144 of the spread.
+        // Standard error: spread / √16, with 16 degrees of freedom.
         assert_eq!(verdict(1.0, 0.1, 1.02, Equal), Verdict::Pass);
-        assert_eq!(verdict(1.0, 0.1, 1.10, Equal), Verdict::Fail);
+        assert_eq!(verdict(1.0, 0.05, 1.10, Equal), Verdict::Fail);
         assert_eq!(verdict(1.0, 0.1, 1.10, AtMost), Verdict::Pass);
-        assert_eq!(verdict(1.0, 0.1, 1.10, AtLeast), Verdict::Fail);
-        assert_eq!(verdict(1.0, 0.1, 0.90, AtMost), Verdict::Fail);
+        assert_eq!(verdict(1.0, 0.05, 1.10, AtLeast), Verdict::Fail);
+        assert_eq!(verdict(1.0, 0.05, 0.90, AtMost), Verdict::Fail);
         assert_eq!(verdict(1.0, 1.0, 1.02, Equal), Verdict::Noisy);
         assert_eq!(verdict(1.0, 0.0, 1.0, Equal), Verdict::Pass);
         assert_eq!(verdict(1.0, 0.0, 1.0001, Equal), Verdict::Fail);

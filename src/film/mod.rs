@@ -3,6 +3,7 @@
 mod surfaces;
 
 use crate::sampling::REPLICATES;
+use serde::{Deserialize, Serialize};
 pub use surfaces::{Identity, RANKS, Surfaces};
 
 /// A finished picture: linear, premultiplied RGBA, row by row from the top.
@@ -48,17 +49,19 @@ impl PixelSums {
     /// Variance of [`Self::mean`]'s first three channels with `spp` ≥ 2 samples, from the spread of the replicates. Replicates
     /// with fewer samples weigh less.
     pub fn variance(&self, spp: u32) -> [f64; 3] {
-        let mean = self.mean(spp);
-        let filled = spp.min(REPLICATES);
-        let mut sums = [0.0; 3];
-        for r in 0..filled {
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|channel| self.variance_of(channel, spp))
+    }
+
+    /// The same of a weighted sum of the first three channels.
+    fn variance_of(&self, weights: [f64; 3], spp: u32) -> f64 {
+        let of = |values: &[f64; 4]| weighted(weights, values);
+        let (mean, filled) = (of(&self.mean(spp)), spp.min(REPLICATES));
+        let square = |r: u32| {
             let n = f64::from(replicate_samples(spp, r));
-            for c in 0..3 {
-                let off = self.sums[r as usize][c] / n - mean[c];
-                sums[c] += n * off * off;
-            }
-        }
-        sums.map(|s| s / (f64::from(filled) - 1.0) / f64::from(spp))
+            let off = of(&self.sums[r as usize]) / n - mean;
+            n * off * off
+        };
+        (0..filled).map(square).sum::<f64>() / (f64::from(filled) - 1.0) / f64::from(spp)
     }
 
     /// Sums of the replicates, all of them.
@@ -67,9 +70,36 @@ impl PixelSums {
     }
 }
 
+fn weighted(weights: [f64; 3], values: &[f64; 4]) -> f64 {
+    (0..3).map(|c| weights[c] * values[c]).sum()
+}
+
 /// How many of `spp` samples belong to replicate `replicate`.
 pub fn replicate_samples(spp: u32, replicate: u32) -> u32 {
     spp / REPLICATES + u32::from(replicate < spp % REPLICATES)
+}
+
+/// A mean over pixels, and how far it can be off by what the replicates say.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// The mean.
+    pub mean: f64,
+    /// Its variance.
+    pub variance: f64,
+    /// Degrees of freedom of that.
+    pub degrees: f64,
+}
+
+impl Estimate {
+    /// The mean of independent estimates; `None` of none.
+    pub fn mean_of(all: &[Self]) -> Option<Self> {
+        let n = all.len() as f64;
+        let sum = |of: fn(&Self) -> f64| all.iter().map(of).sum::<f64>();
+        let variance = sum(|e| e.variance);
+        let degrees = variance * variance / sum(|e| e.variance * e.variance / e.degrees);
+        let degrees = if degrees.is_finite() { degrees } else { sum(|e| e.degrees) };
+        (!all.is_empty()).then(|| Self { mean: sum(|e| e.mean) / n, variance: variance / n / n, degrees })
+    }
 }
 
 /// All pixels' sums, row by row from the top. It grows by passes: [`crate::integrate::render_pass`].
@@ -104,6 +134,26 @@ impl Film {
     }
 }
 
+impl Film {
+    /// The mean of a weighted sum of the first three channels over pixels, which are independent of each other. Its variance is
+    /// only known with two samples per pixel or more.
+    pub fn estimate(&self, pixels: impl Iterator<Item = usize>, weights: [f64; 3]) -> Estimate {
+        let (mut sum, mut count, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);
+        for pixel in pixels.map(|p| &self.pixels[p]) {
+            let own = pixel.variance_of(weights, self.spp);
+            sum += weighted(weights, &pixel.mean(self.spp));
+            variance += own;
+            squares += own * own;
+            count += 1.0;
+        }
+        let free = f64::from(self.spp.min(REPLICATES)) - 1.0;
+        // Satterthwaite 1946.
+        let degrees = variance * variance / squares * free;
+        let degrees = if degrees.is_finite() { degrees } else { count * free };
+        Estimate { mean: sum / count, variance: variance / count / count, degrees }
+    }
+}
+
 /// What the samples of each pixel say about its noise, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
@@ -133,23 +183,44 @@ mod tests {
     #[test]
     fn mean_and_replicates_agree_when_samples_do_not_divide_evenly() {
         let mut pixel = PixelSums::default();
-        (0..6).for_each(|s| pixel.add(s, [s as f32, 1.0, 0.0, 1.0]));
-        assert_eq!(pixel.mean(6), [2.5, 1.0, 0.0, 1.0]);
-        let means: Vec<f64> = pixel.replicate_means(6).map(|m| m[0]).collect();
-        assert_eq!(means, [2.0, 3.0, 2.0, 3.0]);
-        assert_eq!(pixel.replicate_means(2).count(), 2);
-        assert_eq!([0, 1, 2, 3].map(|r| replicate_samples(6, r)), [2, 2, 1, 1]);
+        (0..5).for_each(|s| pixel.add(s, [s as f32, 1.0, 0.0, 1.0]));
+        assert_eq!(pixel.mean(5), [2.0, 1.0, 0.0, 1.0]);
+        let means: Vec<f64> = pixel.replicate_means(5).map(|m| m[0]).collect();
+        assert_eq!(means, [2.0, 2.0]);
+        assert_eq!(pixel.replicate_means(1).count(), 1);
+        assert_eq!([0, 1].map(|r| replicate_samples(5, r)), [3, 2]);
     }
 
     #[test]
     fn variance_is_that_of_the_mean() {
         let mut pixel = PixelSums::default();
         (0..8).for_each(|s| pixel.add(s, [s as f32, 3.0, -(s as f32), 1.0]));
-        // Replicate means 2, 3, 4, 5: their variance is 5/3, that of the mean of four a quarter of it.
+        // Replicate means 3 and 4: their variance is 1/2, that of the mean of both half of it.
         let [a, b, c] = pixel.variance(8);
-        assert!((a - 5.0 / 12.0).abs() < 1e-12 && b == 0.0 && (c - a).abs() < 1e-12);
+        assert!((a - 0.25).abs() < 1e-12 && b == 0.0 && (c - a).abs() < 1e-12);
         let film = Film { width: 1, height: 1, spp: 1, opaque: false, pixels: vec![pixel] };
         assert_eq!(film.noise(), Noise { variance: None, samples: vec![1] });
+    }
+
+    #[test]
+    fn estimates_pool_what_pixels_say() {
+        // Replicate means 0 and 2 d in pixel d: variances d².
+        let pixel = |d: f32| {
+            let mut sums = PixelSums::default();
+            sums.add(1, [2.0 * d, 0.0, 2.0 * d, 1.0]);
+            sums
+        };
+        let film = |d: [f32; 4]| Film { width: 4, height: 1, spp: 2, opaque: false, pixels: d.map(pixel).to_vec() };
+        let even = film([3.0; 4]).estimate(0..4, [1.0, 0.0, 0.0]);
+        assert_eq!(even, Estimate { mean: 3.0, variance: 9.0 / 4.0, degrees: 4.0 });
+        let both = film([3.0; 4]).estimate(0..2, [0.5, 0.0, 0.5]);
+        assert_eq!(both, Estimate { mean: 3.0, variance: 9.0 / 2.0, degrees: 2.0 });
+        let one = film([0.0, 0.0, 0.0, 2.0]).estimate(0..4, [1.0; 3]);
+        assert_eq!((one.mean, one.degrees), (1.0, 1.0));
+        assert_eq!(film([0.0; 4]).estimate(1..4, [1.0; 3]), Estimate { mean: 0.0, variance: 0.0, degrees: 3.0 });
+        let mean = Estimate::mean_of(&[even, even]).expect("two");
+        assert_eq!(mean, Estimate { mean: 3.0, variance: 9.0 / 8.0, degrees: 8.0 });
+        assert_eq!(Estimate::mean_of(&[]), None);
     }
 
     #[test]

@@ -1,3 +1,4 @@
+use crate::film::Estimate;
 use crate::math::statistics::{normal_quantile, student_t_cdf};
 use serde::Serialize;
 
@@ -15,25 +16,23 @@ pub struct Bias {
 }
 
 impl Bias {
-    /// From the mean luminances of independent pictures (replicates) and of the reference's replicates, by Welch's test.
-    /// `None` when there are fewer than two of either, or nothing is lit.
-    pub fn of(pictures: &[f64], reference: &[f64]) -> Option<Self> {
-        let (mean, variance) = mean_and_its_variance(pictures)?;
-        let (expected, own) = mean_and_its_variance(reference)?;
-        if !(expected > 0.0) {
+    /// From the mean luminances of independent pictures and of the reference, by Welch's test. `None` when there is no picture,
+    /// or nothing is lit.
+    pub fn of(pictures: &[Estimate], reference: &Estimate) -> Option<Self> {
+        let own = Estimate::mean_of(pictures)?;
+        if !(reference.mean > 0.0) {
             return None;
         }
-        let both = variance + own;
-        let share = |v: f64, n: usize| v * v / (n as f64 - 1.0);
-        let degrees = both * both / (share(variance, pictures.len()) + share(own, reference.len()));
+        let variance = own.variance + reference.variance;
+        let share = |e: &Estimate| e.variance * e.variance / e.degrees;
+        let degrees = variance * variance / (share(&own) + share(reference));
         // Without any spread (a scene without noise) the difference is rounding.
-        let degrees = if degrees.is_finite() { degrees } else { 1e6 };
-        let error = both.sqrt();
-        let t = if error > 0.0 { (mean - expected) / error } else { 0.0 };
+        let degrees = if degrees.is_finite() { degrees.min(1e5) } else { 1e5 };
+        let (error, difference) = (variance.sqrt(), own.mean - reference.mean);
         Some(Self {
-            relative: (mean - expected) / expected,
-            half_width: student_t_quantile(0.975, degrees) * error / expected,
-            t,
+            relative: difference / reference.mean,
+            half_width: student_t_quantile(0.975, degrees) * error / reference.mean,
+            t: if error > 0.0 { difference / error } else { 0.0 },
             degrees,
         })
     }
@@ -42,13 +41,6 @@ impl Bias {
     pub fn is_significant(&self, level: f64) -> bool {
         crate::math::statistics::student_t_two_sided(self.t, self.degrees) < level
     }
-}
-
-fn mean_and_its_variance(values: &[f64]) -> Option<(f64, f64)> {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-    (values.len() > 1).then(|| (mean, squares / (n - 1.0) / n))
 }
 
 /// The t below which Student's distribution has the share `p` ≥ 1/2, by bisection.
@@ -72,12 +64,19 @@ mod tests {
     fn welch_of_a_textbook() {
         // t(0.975) for 10 degrees and the interval of two samples with known moments (mpmath).
         assert!((student_t_quantile(0.975, 10.0) - 2.228_138_851_964_939).abs() < 1e-9);
-        let bias = Bias::of(&[1.1, 0.9, 1.0, 1.2], &[1.0, 1.02, 0.98, 1.0]).expect("enough");
+        // Four values 1.1, 0.9, 1.0, 1.2 against 1.0, 1.02, 0.98, 1.0 (mpmath).
+        let four = |mean: f64, squares: f64| Estimate { mean, variance: squares / 12.0, degrees: 3.0 };
+        let reference = four(1.0, 0.0008);
+        let bias = Bias::of(&[four(1.05, 0.05)], &reference).expect("enough");
         assert!((bias.relative - 0.05).abs() < 1e-12);
-        assert!(!bias.is_significant(0.05) && bias.half_width > 0.05);
-        let dark = Bias::of(&[0.5, 0.51, 0.49, 0.5], &[1.0, 1.02, 0.98, 1.0]).expect("enough");
+        assert!(!bias.is_significant(0.05) && bias.half_width > 0.05 && bias.degrees < 3.2);
+        // Two pictures of half the variance say as much as one.
+        let half = Estimate { degrees: 1.5, ..four(1.05, 0.1) };
+        let halves = Bias::of(&[half, half], &reference).expect("enough");
+        assert!((halves.t - bias.t).abs() < 1e-12 && (halves.degrees - bias.degrees).abs() < 1e-9);
+        let dark = Bias::of(&[four(0.5, 0.0002)], &reference).expect("enough");
         assert!(dark.is_significant(1e-4) && (dark.relative + 0.5).abs() < 1e-12);
-        assert_eq!(Bias::of(&[1.0], &[1.0, 1.0]), None);
-        assert_eq!(Bias::of(&[0.0, 0.0], &[0.0, 0.0]), None);
+        assert_eq!(Bias::of(&[], &reference), None);
+        assert_eq!(Bias::of(&[reference], &four(0.0, 0.0)), None);
     }
 }

@@ -1,9 +1,8 @@
 use super::Reference;
 use crate::batch::StageSeconds;
-use crate::film::{Film, Picture};
-use crate::math::luminance;
+use crate::film::{Estimate, Film, Picture};
+use crate::math::LUMINANCE;
 use crate::metrics::{Comparison, Show, Shown, compare};
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 /// One picture of a study: what it cost, and how far it is from the reference.
@@ -37,8 +36,8 @@ pub struct Cell {
     pub stated_error: Option<f64>,
     /// Its upper 95 % bound.
     pub stated_bound: Option<f64>,
-    /// Mean luminance of each replicate's picture.
-    pub luminance: Vec<f64>,
+    /// Mean luminance.
+    pub luminance: Estimate,
     /// Samples dropped because they were not finite.
     pub nonfinite: u64,
 }
@@ -46,24 +45,15 @@ pub struct Cell {
 /// What is measured of a picture.
 pub(super) struct Measured {
     pub comparison: Comparison,
-    pub luminance: Vec<f64>,
+    pub luminance: Estimate,
 }
 
 pub(super) fn measure(film: &Film, picture: &Picture, reference: &Reference, show: &Show) -> Result<Measured, String> {
     let (comparison, _) = compare(&Shown::of(picture, show), &reference.shown)?;
-    Ok(Measured { comparison, luminance: luminances(film) })
+    Ok(Measured { comparison, luminance: luminance_of(film) })
 }
 
-/// Mean luminance of the picture that each replicate makes.
-pub(super) fn luminances(film: &Film) -> Vec<f64> {
-    let mut sums = Vec::new();
-    for pixel in &film.pixels {
-        for (r, [red, green, blue, _]) in pixel.replicate_means(film.spp).enumerate() {
-            if sums.len() <= r {
-                sums.push(0.0);
-            }
-            sums[r] += f64::from(luminance(Vec3::new(red as f32, green as f32, blue as f32)));
-        }
-    }
-    sums.iter().map(|s| s / film.pixels.len() as f64).collect()
+/// Mean luminance.
+pub(super) fn luminance_of(film: &Film) -> Estimate {
+    film.estimate(0..film.pixels.len(), LUMINANCE)
 }

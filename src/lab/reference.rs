@@ -1,10 +1,11 @@
-use super::cell::luminances;
+use super::cell::luminance_of;
 use super::store::with_ending;
 use crate::accuracy::{Accuracy, CONFIDENCE, Display};
-use crate::film::{Film, Picture};
+use crate::film::{Estimate, Film, Picture};
 use crate::integrate::{View, render_pass};
 use crate::metrics::{Show, Shown};
 use crate::prepare::PreparedScene;
+use crate::sampling::REPLICATES;
 use crate::settings::RenderSettings;
 use crate::write::{Metadata, atomic, exr};
 use kiln_formats::{Control, Stopped};
@@ -34,8 +35,8 @@ pub struct ReferenceFacts {
     pub error: f64,
     /// Estimated relMSE.
     pub relmse: f64,
-    /// Mean luminance of each replicate's picture.
-    pub luminance: Vec<f64>,
+    /// Mean luminance.
+    pub luminance: Estimate,
     /// Wall seconds that it took.
     pub seconds: f64,
     /// CPU seconds that it took.
@@ -79,7 +80,8 @@ impl Reference {
                 Effort::CpuSeconds(limit) if 2.0 * cpu_seconds <= limit && next < MOST => next *= 2,
                 // What is left of the time, in whole replicates.
                 Effort::CpuSeconds(limit) if cpu_seconds < 0.8 * limit && next < MOST => {
-                    next += (f64::from(next) * (limit - cpu_seconds) / cpu_seconds) as u32 / 4 * 4 + 4;
+                    next += (f64::from(next) * (limit - cpu_seconds) / cpu_seconds) as u32 / REPLICATES * REPLICATES
+                        + REPLICATES;
                 }
                 _ => break,
             }
@@ -89,7 +91,7 @@ impl Reference {
         let own = Accuracy::of(&film, display, CONFIDENCE);
         let (error, relmse) = own.map_or((0.0, 0.0), |own| (own.error, own.relmse));
         let seconds = clock.elapsed().as_secs_f64();
-        let luminance = luminances(&film);
+        let luminance = luminance_of(&film);
         let facts = ReferenceFacts { key: key.into(), spp: film.spp, error, relmse, luminance, seconds, cpu_seconds };
         Ok(Self { facts, picture, shown })
     }

@@ -17,7 +17,10 @@ use glam::Vec3;
 pub use frame::Frame;
 pub use ray::{Hit, Ray};
 
+/// Shares of linear Rec. 709 red, green and blue in relative luminance.
+pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
 /// Relative luminance of linear Rec. 709.
 pub fn luminance(c: Vec3) -> f32 {
-    c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+    c.dot(Vec3::from_array(LUMINANCE.map(|share| share as f32)))
 }

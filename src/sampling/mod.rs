@@ -14,8 +14,9 @@ use crate::settings::SamplerKind;
 pub use hash::{hash_combine, unit_float};
 pub use lanes::PathSamplers;
 
-/// Independent randomisations per pixel.
-pub const REPLICATES: u32 = 4;
+/// Independent randomisations per pixel: the fewest that differ. Each further one takes away some of what the points' distribution
+/// gains (`scripts/runs/2026-11-22-replicates.md`), and pictures have pixels enough to average what two say.
+pub const REPLICATES: u32 = 2;
 
 /// What a random number is for. Numbers for different purposes at one vertex are independent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -84,17 +84,8 @@ pub fn shoot(
 
 /// Mean luminance-free average of all channels, and its standard error from the replicates of all pixels.
 pub fn mean_and_error(rendered: &Rendered) -> (f64, f64) {
-    let (mut mean, mut variance) = (0.0, 0.0);
-    let n = rendered.film.pixels.len() as f64;
-    for pixel in &rendered.film.pixels {
-        let grey = |m: [f64; 4]| (m[0] + m[1] + m[2]) / 3.0;
-        let replicates: Vec<f64> = pixel.replicate_means(rendered.spp).map(grey).collect();
-        let r = replicates.len() as f64;
-        let own = replicates.iter().sum::<f64>() / r;
-        mean += own;
-        variance += replicates.iter().map(|x| (x - own).powi(2)).sum::<f64>() / (r - 1.0).max(1.0) / r;
-    }
-    (mean / n, variance.sqrt() / n)
+    let own = rendered.film.estimate(0..rendered.film.pixels.len(), [1.0 / 3.0; 3]);
+    (own.mean, own.variance.sqrt())
 }
 
 /// The folder of shared assets and references, or `None` when `KILN_SHARED` is unset: then the test says that it
