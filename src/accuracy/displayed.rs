@@ -1,4 +1,5 @@
 use super::jackknife::LeaveOneOut;
+use super::pixels::seen;
 use crate::settings::PictureSettings;
 use crate::write::display::Developer;
 
@@ -23,9 +24,7 @@ impl Display {
 
 /// The estimated square of a pixel's displayed error, mean of its channels.
 pub(super) fn square_error(parts: &LeaveOneOut, display: &Display, opaque: bool) -> f64 {
-    let levels = |[r, g, b, a]: &[f64; 4]| {
-        display.levels([*r as f32, *g as f32, *b as f32, if opaque { 1.0 } else { *a as f32 }])
-    };
+    let levels = |pixel: &[f64; 4]| display.levels(seen(*pixel, opaque));
     let whole = levels(&parts.mean);
     parts.sum(|without| {
         let shown = levels(without);

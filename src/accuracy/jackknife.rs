@@ -1,7 +1,5 @@
-use super::{Display, Spread, displayed, relmse};
-use crate::film::{Film, PixelSums, replicate_samples};
+use crate::film::{PixelSums, replicate_samples};
 use crate::sampling::REPLICATES;
-use rayon::prelude::*;
 
 /// The most replicates.
 const MOST: usize = REPLICATES as usize;
@@ -40,27 +38,4 @@ impl LeaveOneOut {
     pub fn sum(&self, mut square: impl FnMut(&[f64; 4]) -> f64) -> f64 {
         (0..self.count).map(|k| self.weights[k] * square(&self.without[k])).sum()
     }
-}
-
-/// The spreads of the displayed error and of relMSE over the pixels that the asset covers. Sums have a fixed order.
-pub(super) fn spreads(film: &Film, display: &Display) -> [Spread; 2] {
-    let rows: Vec<[Spread; 2]> = film
-        .pixels
-        .par_chunks(film.width.max(1) as usize)
-        .map(|row| {
-            let mut spreads = [Spread::default(); 2];
-            for pixel in row {
-                let parts = LeaveOneOut::of(pixel, film.spp);
-                if parts.mean[3] > 0.0 {
-                    spreads[0].add(displayed::square_error(&parts, display, film.opaque));
-                    spreads[1].add(relmse::square_error(&parts));
-                }
-            }
-            spreads
-        })
-        .collect();
-    rows.into_iter().fold([Spread::default(); 2], |mut all, row| {
-        all.iter_mut().zip(row).for_each(|(a, r)| *a += r);
-        all
-    })
 }

@@ -11,9 +11,11 @@
 mod bound;
 mod displayed;
 mod jackknife;
+mod pixels;
 mod progressive;
 mod relmse;
 mod schedule;
+mod surroundings;
 
 pub use bound::Spread;
 pub use displayed::Display;
@@ -62,7 +64,7 @@ impl Spreads {
     /// Of the pixels of a film that the asset covers; `None` when there are not two replicates.
     pub fn of(film: &Film, display: &Display) -> Option<Self> {
         (film.spp >= 2).then(|| {
-            let [displayed, relative] = jackknife::spreads(film, display);
+            let [displayed, relative] = pixels::spreads(film, display);
             Self { displayed, relative }
         })
     }

@@ -1,7 +1,7 @@
 use super::jackknife::LeaveOneOut;
 
 /// Keeps black pixels from weighing without bound.
-const EPSILON: f64 = 0.01;
+pub(super) const EPSILON: f64 = 0.01;
 
 /// The estimated relative square error of a pixel in linear light, mean of its channels.
 ///
