@@ -20,6 +20,8 @@ LIGHTS = [1, 5, 10, 20]
 SIDE = 112
 TREES = ["chess.obj", "reading_corner.obj", "balloons.glb"]
 DEPTHS = ["depth-1", "depth-2", "depth-4", "depth-8"]
+ROULETTE = {"no-roulette": "never", "kiln": "from the fifth scattering on", "roulette-1": "from the first one on"}
+ROOMS = ["cornell_box.glb", "reading_corner.obj", "tinted_glass.glb"]
 SAMPLERS = ["kiln", "pcg", "lcg", "xorshift32"]
 
 
@@ -136,7 +138,18 @@ light samples smooth the shadows only, a sample also smooths edges, reflections 
 
 
 def depth(bench):
-    """What deep paths cost."""
+    """What deep paths cost, and what ending them by what they carry saves."""
+    study, _ = bench.study("roulette", ROOMS, ",".join(ROULETTE))
+    saved = []
+    for asset in study["assets"]:
+        spp, points = common(asset, list(ROULETTE))
+        none = points["no-roulette"]
+        for way, word in ROULETTE.items():
+            p, bias = points[way], curve(asset, way)["bias"]
+            time = p["cpu_seconds"]["render"] / none["cpu_seconds"]["render"]
+            told = f"{100 * bias['relative']:+.1f} ± {100 * bias['half_width']:.1f} %" if bias else "–"
+            saved.append([f"`{asset['asset']}`, {spp} samples", word, times(time), told, f"{p['error']:.2f}",
+                          times(time * (p["error"] / none["error"]) ** 2)])
     study, _ = bench.study("depth", ["cornell_box.glb"], ",".join(["kiln", *DEPTHS]))
     asset = study["assets"][0]
     spp, points = common(asset, ["kiln", *DEPTHS])
@@ -151,9 +164,12 @@ def depth(bench):
     return f"""## Fewer samples where the contribution is lower
 
 The tracer of 2018 shot N/k rays at depth k and still divided by N: a bias. What is left of the idea once it is unbiased is
-Russian roulette, by which paths that carry little end early and the others are weighted up; it is part of every way here
-from the fifth scattering on and cannot be switched off. What cutting paths short saves, and what it does to the
-brightness of `cornell_box.glb` ({spp} samples per pixel):
+Russian roulette (`--roulette`): a path goes on with a probability that is what it still carries, and weighs more for it. Kiln
+does so from the fifth scattering on. The last column is the time for the same error, taking errors to fall with the root of the
+time:
+
+{table(["asset", "Russian roulette", "time", "brightness", "error, levels", "time for the same error"], saved)}
+What cutting all paths short saves instead, and what it does to the brightness of `cornell_box.glb` ({spp} samples per pixel):
 
 {table(["scattering events at most", "time", "brightness", "error, levels"], rows)}
 """

@@ -135,6 +135,9 @@ pub struct RenderSettings {
     pub light_samples: u32,
     /// Where random numbers come from.
     pub sampler: SamplerKind,
+    /// Scattering events after which Russian roulette may end a path by what it carries, the survivors weighing more;
+    /// [`u32::MAX`]: never.
+    pub roulette_after: u32,
     /// Channels of a sample's radiance are cut off here, > 0; `None`: never. Takes away fireflies, and light with them.
     pub clamp: Option<f32>,
 }
@@ -149,9 +152,15 @@ impl Default for RenderSettings {
             strategy: Strategy::default(),
             light_samples: 1,
             sampler: SamplerKind::default(),
+            roulette_after: 5,
             clamp: None,
         }
     }
+}
+
+/// What [`RenderSettings::roulette_after`] is called by people: a number, or off.
+pub fn roulette_after(text: &str) -> Option<u32> {
+    if text == "off" { Some(u32::MAX) } else { text.parse().ok() }
 }
 
 /// Everything that decides what the pictures of an asset look like and what files they become.

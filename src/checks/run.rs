@@ -86,7 +86,7 @@ fn run_check(check: &Check, level: f64) -> Result<Vec<Row>, String> {
             strategy: *strategy,
             light_samples: spec.light_samples,
             sampler: spec.sampler,
-            clamp: None,
+            ..RenderSettings::default()
         };
         let rendered = render(&prepared, &view, &settings, &control).map_err(stopped)?;
         let known = check.known_failure.as_ref();

@@ -89,6 +89,9 @@ pub struct SettingOptions {
     /// Where random numbers come from
     #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
     sampler: SamplerKind,
+    /// Scattering events after which paths may end by what they carry (Russian roulette, unbiased), or off
+    #[arg(long, value_name = "N|off", default_value = "5", value_parser = roulette, help_heading = "Sampling")]
+    roulette: u32,
     /// How the kd-tree is built
     #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
     kdtree: KdTreeBuilder,
@@ -145,6 +148,10 @@ fn sorted<T: Ord>(mut list: Vec<T>) -> Vec<T> {
     list
 }
 
+fn roulette(text: &str) -> Result<u32, String> {
+    kiln::settings::roulette_after(text).ok_or_else(|| format!("'{text}' is neither a number nor off"))
+}
+
 fn radius(text: &str) -> Result<f64, String> {
     let radius = text.parse::<f64>().ok().filter(|r| r.is_finite() && *r > 0.0);
     radius.ok_or_else(|| format!("'{text}' is not a radius: a number greater than 0"))
@@ -197,6 +204,7 @@ impl SettingOptions {
                 strategy: self.strategy,
                 light_samples: self.light_samples,
                 sampler: self.sampler,
+                roulette_after: self.roulette,
                 clamp: self.clamp.map(|c| c as f32),
             },
             goal,

@@ -35,10 +35,10 @@ pub struct StudyCommand {
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
 
-    /// Ways to compare: names and groups (strategies, samplers, trees, depth, lights), usual, all; --help lists them
+    /// Ways to compare: names and groups (strategies, samplers, trees, depth, lights, roulette, presets), usual, all; --help lists them
     #[arg(long, value_name = "LIST", default_value = "usual", help_heading = "Study")]
     ways: String,
-    /// A way of your own: NAME: KEY=VALUE … with strategy, sampler, kdtree, max-depth, light-samples (may be repeated)
+    /// A way of your own: NAME: KEY=VALUE … with strategy, sampler, kdtree, max-depth, light-samples, roulette, preset (may be repeated)
     #[arg(long, value_name = "WAY", help_heading = "Study")]
     way: Vec<String>,
     /// Seconds for each asset, about, on a machine that does nothing else

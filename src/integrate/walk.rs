@@ -15,8 +15,6 @@ use crate::settings::{RenderSettings, SamplerKind, Strategy};
 use crate::shading::{Baseline, BsdfSample};
 use glam::Vec3;
 
-/// Scattering events before Russian roulette begins.
-pub(super) const ROULETTE_AFTER: u32 = 5;
 /// The most that roulette lets a path survive by. Less than 1 would make paths between nearly white walls heavier with
 /// every bounce, without bound (and their variance infinite).
 pub(super) const MOST_SURVIVAL: f32 = 1.0;
@@ -167,7 +165,7 @@ impl<'a> Course<'a> {
         if sample.transmitted {
             walk.inside = walk.inside.crossed(prepared, &vertex.place);
         }
-        if depth + 1 >= ROULETTE_AFTER {
+        if depth + 1 >= settings.roulette_after {
             let survival = (walk.throughput.max_element() / walk.eta_scale).min(MOST_SURVIVAL);
             // A survival of zero can only come with a throughput of zero.
             if !(with.sampler.get_1d(depth, Purpose::Roulette) < survival) {

@@ -1,6 +1,7 @@
+use super::point::{seconds_at, slope};
 use super::run::Subject;
-use super::{Bias, Cell, Way};
-use crate::batch::StageSeconds;
+use super::{Bias, Cell, Point, Way};
+use crate::film::Estimate;
 use crate::math::statistics::sidak;
 use serde::Serialize;
 
@@ -22,6 +23,8 @@ pub struct Curve {
     pub way: String,
     /// The way in words.
     pub title: String,
+    /// Whether it is one picture for a goal instead of growing samples.
+    pub preset: bool,
     /// Growing samples.
     pub points: Vec<Point>,
     /// Bias at the most samples that all seeds have.
@@ -66,31 +69,6 @@ impl Versus {
     }
 }
 
-/// The mean of the pictures of one way with one number of samples.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Point {
-    /// Camera paths per pixel.
-    pub spp: u32,
-    /// Pictures.
-    pub pictures: u32,
-    /// Mean CPU seconds by stage.
-    pub cpu_seconds: StageSeconds,
-    /// Mean wall seconds by stage.
-    pub seconds: StageSeconds,
-    /// RMS error as displayed, levels, the reference's own error taken off.
-    pub error: f64,
-    /// The smallest and the largest of the pictures, as measured.
-    pub range: [f64; 2],
-    /// Whether the reference's own error is more than half of what was measured.
-    pub limited: bool,
-    /// Mean relMSE as measured, of those that are finite.
-    pub relmse: f64,
-    /// Mean ꟻLIP.
-    pub flip: f64,
-    /// Mean of the 95th percentiles of ꟻLIP.
-    pub flip_p95: f64,
-}
-
 /// Significance at which ways count as biased, over a whole study.
 const SIGNIFICANCE: f64 = 0.01;
 
@@ -105,27 +83,31 @@ pub fn analyse(subject: &Subject, ways: &[Way], tests: usize) -> Analysis {
         })
         .collect();
     if let Some((first, others)) = curves.split_first_mut() {
-        others.iter_mut().for_each(|curve| curve.versus = Versus::of(&curve.points, &first.points));
+        // A preset is the first way, stopped somewhere.
+        others
+            .iter_mut()
+            .filter(|curve| !curve.preset)
+            .for_each(|curve| curve.versus = Versus::of(&curve.points, &first.points));
     }
     Analysis { asset: subject.name.clone(), frontier: frontier(&curves), curves }
 }
 
 fn curve(way: &Way, cells: &[&Cell], subject: &Subject, own: f64, tests: usize) -> Curve {
-    let mut spps: Vec<u32> = cells.iter().map(|c| c.spp).collect();
-    spps.sort_unstable();
-    spps.dedup();
-    let of = |spp: u32| cells.iter().copied().filter(move |c| c.spp == spp);
-    let points: Vec<Point> = spps.iter().map(|spp| point(&of(*spp).collect::<Vec<_>>(), own)).collect();
+    let mut cells = cells.to_vec();
+    cells.sort_by_key(|c| c.spp);
+    // Seeds that stop at different numbers of samples are pictures of the same preset.
+    let groups: Vec<&[&Cell]> = cells.chunk_by(|a, b| way.preset.is_some() || a.spp == b.spp).collect();
+    let points = groups.iter().map(|group| Point::of(group, own)).collect::<Vec<_>>();
     // The most samples that all seeds have been rendered with.
-    let count = points.iter().map(|p| p.pictures).max();
-    let most = points.iter().rfind(|p| Some(p.pictures) == count).map_or(0, |p| p.spp);
-    let pictures: Vec<f64> = of(most).flat_map(|c| c.luminance.iter().copied()).collect();
-    let reference = subject.reference.as_ref().map_or(&[][..], |r| &r.facts.luminance);
-    let bias = Bias::of(&pictures, reference);
+    let count = groups.iter().map(|g| g.len()).max();
+    let most = groups.iter().rfind(|g| Some(g.len()) == count).copied().unwrap_or_default();
+    let pictures: Vec<Estimate> = most.iter().filter(|c| c.spp > 1).map(|c| c.luminance).collect();
+    let bias = subject.reference.as_ref().and_then(|r| Bias::of(&pictures, &r.facts.luminance));
     let significant = bias.is_some_and(|b| b.is_significant(sidak(SIGNIFICANCE, tests)));
     Curve {
         way: way.name.clone(),
         title: way.title.clone(),
+        preset: way.preset.is_some(),
         slope: slope(&points),
         biased: significant && way.max_depth.is_some(),
         unsettled: significant && way.max_depth.is_none(),
@@ -133,73 +115,6 @@ fn curve(way: &Way, cells: &[&Cell], subject: &Subject, own: f64, tests: usize) 
         points,
         versus: None,
     }
-}
-
-fn point(cells: &[&Cell], own: f64) -> Point {
-    let n = cells.len().max(1) as f64;
-    let mean = |of: &dyn Fn(&Cell) -> f64| cells.iter().map(|c| of(c)).sum::<f64>() / n;
-    let stages = |of: &dyn Fn(&Cell) -> StageSeconds| StageSeconds {
-        import: mean(&|c| of(c).import),
-        prepare: mean(&|c| of(c).prepare),
-        kdtree: mean(&|c| of(c).kdtree),
-        render: mean(&|c| of(c).render),
-        write: mean(&|c| of(c).write),
-        total: mean(&|c| of(c).total),
-    };
-    let square = mean(&|c| c.rmse * c.rmse);
-    let finite: Vec<f64> = cells.iter().filter_map(|c| c.relmse).collect();
-    let rmse = || cells.iter().map(|c| c.rmse);
-    Point {
-        spp: cells.first().map_or(0, |c| c.spp),
-        pictures: cells.len() as u32,
-        cpu_seconds: stages(&|c| c.cpu_seconds),
-        seconds: stages(&|c| c.seconds),
-        error: (square - own * own).max(0.0).sqrt(),
-        range: [rmse().fold(f64::INFINITY, f64::min), rmse().fold(0.0, f64::max)],
-        limited: 2.0 * own * own > square,
-        relmse: finite.iter().sum::<f64>() / finite.len().max(1) as f64,
-        flip: mean(&|c| c.flip),
-        flip_p95: mean(&|c| c.flip_p95),
-    }
-}
-
-/// Slope of log error against log CPU seconds of rendering by least squares, from 4 samples per pixel on.
-fn slope(points: &[Point]) -> Option<f64> {
-    let logs: Vec<(f64, f64)> = points
-        .iter()
-        .filter(|p| p.spp >= 4 && !p.limited && p.error > 0.0 && p.cpu_seconds.render > 0.0)
-        .map(|p| (libm::log(p.cpu_seconds.render), libm::log(p.error)))
-        .collect();
-    if logs.len() < 3 {
-        return None;
-    }
-    let n = logs.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|l| l.0), mean(|l| l.1));
-    let cross: f64 = logs.iter().map(|l| (l.0 - x) * (l.1 - y)).sum();
-    let square: f64 = logs.iter().map(|l| (l.0 - x) * (l.0 - x)).sum();
-    (square > 0.0).then(|| cross / square)
-}
-
-/// CPU seconds in all at which a curve comes down to an error, between its points on a log-log line.
-fn seconds_at(points: &[Point], error: f64) -> Option<f64> {
-    interpolate(points, error, |p| p.error, |p| p.cpu_seconds.total)
-}
-
-/// Where `falling` first comes down to `level`, the value of `wanted` there.
-pub(super) fn interpolate(
-    points: &[Point],
-    level: f64,
-    falling: impl Fn(&Point) -> f64,
-    wanted: impl Fn(&Point) -> f64,
-) -> Option<f64> {
-    let at = points.iter().position(|p| falling(p) <= level)?;
-    let (high, low) = (points.get(at.wrapping_sub(1)), &points[at]);
-    let Some(high) = high else { return Some(wanted(low)) };
-    let (h, l) = (falling(high), falling(low));
-    // From the upper point to the lower one, in logarithms.
-    let share = if l > 0.0 && h > l { libm::log(h / level) / libm::log(h / l) } else { 1.0 };
-    Some(wanted(high) * libm::pow(wanted(low) / wanted(high), share))
 }
 
 fn frontier(curves: &[Curve]) -> Vec<(usize, usize)> {
@@ -217,10 +132,11 @@ fn frontier(curves: &[Curve]) -> Vec<(usize, usize)> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::batch::StageSeconds;
 
-    fn cell(way: &str, spp: u32, seconds: f64, rmse: f64) -> Cell {
+    pub(in crate::lab) fn cell(way: &str, spp: u32, seconds: f64, rmse: f64) -> Cell {
         let stages = StageSeconds { render: seconds, total: seconds + 0.5, ..StageSeconds::default() };
         Cell {
             run: String::new(),
@@ -237,7 +153,7 @@ mod tests {
             ssim: 1.0,
             stated_error: None,
             stated_bound: None,
-            luminance: vec![],
+            luminance: Estimate { mean: 1.0, variance: 0.0, degrees: 1.0 },
             nonfinite: 0,
         }
     }
@@ -267,13 +183,5 @@ mod tests {
         assert!((versus.ratio() - 128.5 / 16.5).abs() < 1e-9, "{versus:?}");
         // Nothing that the worse way gives was not to be had sooner.
         assert_eq!(analysis.frontier, [(0, 0), (0, 1), (0, 2), (0, 3)]);
-    }
-
-    #[test]
-    fn the_references_own_error_is_taken_off() {
-        let cells = [cell("w", 4, 1.0, 5.0)];
-        let p = point(&cells.iter().collect::<Vec<_>>(), 3.0);
-        assert!((p.error - 4.0).abs() < 1e-12 && !p.limited);
-        assert!(point(&cells.iter().collect::<Vec<_>>(), 4.0).limited);
     }
 }

@@ -1,17 +1,13 @@
-use super::cell::measure;
+use super::climb::Run;
 use super::identity::{content, key, metadata, text_of};
 use super::reference::Effort;
-use super::run::{Observer, Progress, Study, Subject, picture_path};
-use super::{Cell, Reference, Store, Way};
-use crate::accuracy::{Accuracy, CONFIDENCE, Display};
-use crate::batch::{Job, Ready, StageSeconds, make_ready};
-use crate::film::Film;
-use crate::integrate::{PassTally, render_pass};
+use super::run::{Observer, Progress, Study, Subject};
+use super::{Reference, Store, Way};
+use crate::accuracy::Display;
+use crate::batch::{Job, Ready, make_ready};
 use crate::metrics::Show;
 use crate::settings::{Exposure, PrepareSettings, Settings};
-use crate::write::{atomic, display, png};
 use kiln_formats::{Control, Stopped};
-use std::time::Instant;
 
 /// The share of an asset's budget that its reference may take.
 const REFERENCE_SHARE: f64 = 0.35;
@@ -163,112 +159,5 @@ impl Bench<'_> {
         };
         subject.reference = Some(reference.clone());
         Ok(reference)
-    }
-
-    /// Renders one way with one seed, with more and more samples, as long as the next step fits into its share.
-    fn cells(&self, run: &Run, subject: &mut Subject, store: &mut Store) -> Result<(), Ended> {
-        let facts = &run.reference.facts;
-        let spp = facts.spp.to_string();
-        let name = key(&[&content(run.ready), &text_of(run.settings).map_err(Ended::Unwritable)?, &facts.key, &spp]);
-        let known = store.of_run(&name);
-        let ladder = self.study.ladder;
-        let next = known.last().map_or(ladder.first(), |c| run.next(ladder, c.spp, c.cpu_seconds.render));
-        if next.is_none() {
-            subject.cells.extend(known);
-            return Ok(());
-        }
-        let view = &run.ready.views[0];
-        let mut film = Film::new(view.width, view.height, view.show_environment);
-        let (mut tally, clock, mut asleep) = (PassTally::default(), Instant::now(), 0.0);
-        let mut next = ladder.first().copied();
-        while let Some(spp) = next {
-            let (render, samples) = (&run.settings.render, film.spp..spp);
-            tally += render_pass(&run.ready.scene, view, render, &mut film, samples, self.control)?;
-            let render = clock.elapsed().as_secs_f64() - asleep;
-            let cell = match known.iter().find(|c| c.spp == spp) {
-                Some(cell) => cell.clone(),
-                None => {
-                    let cell = self.cell(run, &name, &film, &tally, (render, subject))?;
-                    let unwritable = |e: std::io::Error| Ended::Unwritable(format!("cells cannot be written: {e}"));
-                    store.append(&cell).map_err(unwritable)?;
-                    if run.settings.render.seed == self.job.settings.render.seed {
-                        self.keep_picture(run, &film, subject, store)?;
-                    }
-                    self.observer.measured(&cell);
-                    cell
-                }
-            };
-            subject.cells.push(cell);
-            // Measuring is no part of rendering.
-            asleep = clock.elapsed().as_secs_f64() - render;
-            next = run.next(ladder, spp, tally.cpu_seconds).copied();
-        }
-        Ok(())
-    }
-
-    fn cell(
-        &self,
-        run: &Run,
-        name: &str,
-        film: &Film,
-        tally: &PassTally,
-        (render, subject): (f64, &Subject),
-    ) -> Result<Cell, Ended> {
-        let picture = film.picture();
-        let stated = Accuracy::of(film, run.display, CONFIDENCE);
-        let measured = measure(film, &picture, run.reference, run.show).map_err(Ended::Unwritable)?;
-        let (before, before_cpu) = (run.ready.outcome.seconds, run.ready.outcome.cpu_seconds);
-        let mut seconds = StageSeconds { render: render + before.render, ..before };
-        let mut cpu_seconds = StageSeconds { render: tally.cpu_seconds + before_cpu.render, ..before_cpu };
-        seconds.total = seconds.sum();
-        cpu_seconds.total = cpu_seconds.sum();
-        Ok(Cell {
-            run: name.into(),
-            asset: subject.name.clone(),
-            way: run.way.name.clone(),
-            seed: run.settings.render.seed,
-            spp: film.spp,
-            seconds,
-            cpu_seconds,
-            rmse: measured.comparison.rmse,
-            relmse: measured.comparison.relmse,
-            flip: measured.comparison.flip,
-            flip_p95: measured.comparison.flip_p95,
-            ssim: measured.comparison.ssim,
-            stated_error: stated.map(|s| s.error),
-            stated_bound: stated.map(|s| s.error_bound),
-            luminance: measured.luminance,
-            nonfinite: tally.nonfinite,
-        })
-    }
-
-    fn keep_picture(&self, run: &Run, film: &Film, subject: &Subject, store: &Store) -> Result<(), Ended> {
-        let path = picture_path(store.folder(), &subject.stem, &run.way.name, film.spp);
-        let pictures = &self.job.settings.pictures;
-        let shown = display::develop(&film.picture(), subject.exposure, pictures.tonemap, pictures.background);
-        let metadata = metadata(&subject.name, &run.settings.render, film.spp);
-        let unwritable = |e: String| Ended::Unwritable(format!("{}: cannot be written: {e}", path.display()));
-        let bytes = png::encode(&shown, pictures.bits, &metadata).map_err(|e| unwritable(e.to_string()))?;
-        atomic::write(&path, &bytes).map_err(|e| unwritable(e.to_string()))
-    }
-}
-
-/// One way with one seed.
-struct Run<'a> {
-    way: &'a Way,
-    settings: &'a Settings,
-    ready: &'a Ready,
-    reference: &'a Reference,
-    display: &'a Display,
-    show: &'a Show,
-    /// CPU seconds that it may take, about: what others do on the machine does not shorten a study.
-    share: f64,
-}
-
-impl Run<'_> {
-    /// The next number of samples, when it can be had within the share.
-    fn next<'l>(&self, ladder: &'l [u32], spp: u32, cpu_seconds: f64) -> Option<&'l u32> {
-        let next = ladder.iter().find(|n| **n > spp)?;
-        (cpu_seconds * f64::from(*next) / f64::from(spp) <= self.share).then_some(next)
     }
 }

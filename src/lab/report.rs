@@ -44,7 +44,7 @@ const METHOD: &str = "\
 <h3>How it was measured</h3>
 <p>Each way renders the same view with growing numbers of samples per pixel and several seeds. <b>Error</b> is the root
 mean square difference from the reference as displayed (tone-mapped, sRGB, levels 0–255, before rounding) over the pixels
-that the asset covers; the reference’s own error, estimated from its four independent parts, is taken off. <b>relMSE</b> is
+that the asset covers; the reference’s own error, estimated from its own samples, is taken off. <b>relMSE</b> is
 the relative mean square error in linear light, <b>FLIP</b> (Andersson 2020, 67 pixels per degree) the difference that a
 person sees when flipping between two pictures: 0.10 is just noticeable, and an error counts as invisible when 95 % of the
 covered pixels are below that.</p>

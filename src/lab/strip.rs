@@ -39,10 +39,11 @@ impl Strip {
     /// What each way gives in the same time, and the reference.
     pub fn of_ways(subject: &Subject, analysis: &Analysis, folder: &Path) -> Self {
         let longest = |way: &str| first_seed(subject, way).map(|c| c.cpu_seconds.render).fold(0.0, f64::max);
-        let common = analysis.curves.iter().map(|c| longest(&c.way)).fold(f64::INFINITY, f64::min);
+        let ways = || analysis.curves.iter().filter(|c| !c.preset);
+        let common = ways().map(|c| longest(&c.way)).fold(f64::INFINITY, f64::min);
         let distance = |c: &Cell| libm::log(c.cpu_seconds.render.max(1e-9) / common).abs();
         let nearest = |way: &str| first_seed(subject, way).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let frames = analysis.curves.iter().filter_map(|curve| {
+        let frames = ways().filter_map(|curve| {
             let cell = nearest(&curve.way)?;
             frame(subject, cell, folder, format!("{}, {}", curve.way, cell.spp))
         });

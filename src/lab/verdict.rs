@@ -1,4 +1,5 @@
-use super::analysis::{Analysis, Curve, interpolate};
+use super::analysis::{Analysis, Curve};
+use super::point::interpolate;
 use crate::metrics::flip::just_noticeable;
 use serde::Serialize;
 

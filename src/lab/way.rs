@@ -1,4 +1,4 @@
-use crate::settings::{KdTreeBuilder, SamplerKind, Settings, Strategy};
+use crate::settings::{KdTreeBuilder, Preset, SamplerKind, Settings, Strategy, roulette_after};
 use clap::ValueEnum;
 use serde::Serialize;
 
@@ -24,10 +24,16 @@ pub struct Way {
     /// Light samples per vertex.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub light_samples: Option<u32>,
+    /// Scattering events before Russian roulette.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roulette: Option<u32>,
+    /// A goal instead of growing samples: one picture, when its stated error is small enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<Preset>,
 }
 
 /// The ways that have a name: name, group, title, and what they do otherwise.
-pub const WAYS: [(&str, &str, &str, &str); 19] = [
+pub const WAYS: [(&str, &str, &str, &str); 24] = [
     ("kiln", "strategies", "Kiln's own way: MIS, Sobol' points, SAH tree", ""),
     ("light", "strategies", "light sampling alone", "strategy=light"),
     ("bsdf", "strategies", "BSDF sampling alone", "strategy=bsdf"),
@@ -47,6 +53,16 @@ pub const WAYS: [(&str, &str, &str, &str); 19] = [
     ("lights-8", "lights", "8 light samples per vertex", "light-samples=8"),
     ("lights-16", "lights", "16 light samples per vertex", "light-samples=16"),
     (
+        "roulette-1",
+        "roulette",
+        "Russian roulette from the first scattering event on (instead of the fifth)",
+        "roulette=1",
+    ),
+    ("no-roulette", "roulette", "no Russian roulette: every path to its full depth", "roulette=off"),
+    ("draft", "presets", "--preset draft: until the stated error is 8 levels", "preset=draft"),
+    ("preview", "presets", "--preset preview: until the stated error is 4 levels", "preset=preview"),
+    ("final", "presets", "--preset final: until the stated error is 1.5 levels", "preset=final"),
+    (
         "2018",
         "2018",
         "the 2018 tracer's way, made correct: uniform directions, xorshift32, sampled kd-tree",
@@ -54,12 +70,15 @@ pub const WAYS: [(&str, &str, &str, &str); 19] = [
     ),
 ];
 
+/// What a way can do otherwise.
+const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, preset";
+
 /// What is studied unless something else is asked for.
-const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,2018";
+const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,2018,presets";
 
 impl Way {
-    /// A way by its name, or one's own: `NAME: KEY=VALUE KEY=VALUE …` with the keys strategy, sampler, kdtree, max-depth and
-    /// light-samples.
+    /// A way by its name, or one's own: `NAME: KEY=VALUE KEY=VALUE …` with the keys strategy, sampler, kdtree, max-depth,
+    /// light-samples, roulette and preset.
     ///
     /// # Errors
     /// A sentence.
@@ -89,7 +108,9 @@ impl Way {
                 "kdtree" => way.kdtree = Some(KdTreeBuilder::from_str(value, false).map_err(wrong)?),
                 "max-depth" => way.max_depth = Some(number()?),
                 "light-samples" => way.light_samples = Some(number()?.clamp(1, 4096)),
-                _ => return Err(format!("'{key}' is none of strategy, sampler, kdtree, max-depth, light-samples")),
+                "roulette" => way.roulette = Some(roulette_after(value).ok_or_else(|| wrong("not a number".into()))?),
+                "preset" => way.preset = Some(Preset::from_str(value, false).map_err(wrong)?),
+                _ => return Err(format!("'{key}' is none of {KEYS}")),
             }
         }
         Ok(way)
@@ -103,6 +124,10 @@ impl Way {
         own.prepare.kdtree = self.kdtree.unwrap_or(own.prepare.kdtree);
         own.render.max_depth = self.max_depth.unwrap_or(own.render.max_depth);
         own.render.light_samples = self.light_samples.unwrap_or(own.render.light_samples);
+        own.render.roulette_after = self.roulette.unwrap_or(own.render.roulette_after);
+        if let Some(preset) = self.preset {
+            (own.goal, own.render.spp) = preset.goal();
+        }
         own
     }
 }
@@ -111,7 +136,7 @@ fn names() -> Vec<&'static str> {
     WAYS.iter().map(|w| w.0).collect()
 }
 
-/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights), `usual` and `all`, separated by commas,
+/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, presets), `usual` and `all`, separated by commas,
 /// each once; and those of one's own.
 ///
 /// # Errors

@@ -8,7 +8,7 @@ use crate::integrate::cone::OPENING;
 use crate::integrate::direct::{emission_weight, power_heuristic_lanes};
 use crate::integrate::material::Scattering;
 use crate::integrate::vertex::{Place, Vertex, scattering};
-use crate::integrate::walk::{Company, MOST_SURVIVAL, ROULETTE_AFTER};
+use crate::integrate::walk::{Company, MOST_SURVIVAL};
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words, Work};
 use crate::math::Hit;
 use crate::prepare::Way;
@@ -294,7 +294,7 @@ impl Wave<'_> {
                 self.lose(at, lost.bits());
                 on = on & !lost;
             }
-            if depth + 1 >= ROULETTE_AFTER {
+            if depth + 1 >= self.course.settings.roulette_after {
                 let survival = (throughput.max_element() / floats[path::ETA_SCALE]).min(l.splat(MOST_SURVIVAL));
                 on = on & samplers.get_1d(depth, Purpose::Roulette).lt(survival);
                 throughput = throughput * (l.splat(1.0) / survival);
