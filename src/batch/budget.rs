@@ -7,6 +7,10 @@ use std::time::{Duration, Instant};
 const WRITE_GUESS: (f64, f64) = (4e-7, 0.01);
 /// How much longer than the trial the real encoding may take, and what the file system may take beside it.
 const WRITE_MARGIN: (f64, f64) = (2.0, 0.01);
+/// CPU seconds between two looks of the renderer at the clock, and until all its threads have noticed.
+const LATENCY: f64 = 0.02;
+/// The most that a busy machine is taken to slow down what is left.
+const MOST_SLOWDOWN: f64 = 20.0;
 /// The share of the time that is kept for what nobody can foretell: a busy machine takes the processor away.
 const RESERVE: f64 = 0.03;
 
@@ -51,9 +55,12 @@ impl Budget {
         control.until(Instant::now() + Duration::from_secs_f64(share))
     }
 
-    /// Learns from a trial what writing a view takes.
+    /// Learns from a trial what writing a view takes, and how often other work on the machine takes the processor away.
     pub fn learn(&mut self, trial: &StageClock) {
-        self.write = trial.seconds().0 * WRITE_MARGIN.0 + WRITE_MARGIN.1;
+        let (wall, cpu) = trial.seconds();
+        let slowdown = if cpu > 0.0 { (wall / cpu).clamp(1.0, MOST_SLOWDOWN) } else { 1.0 };
+        self.write = wall * WRITE_MARGIN.0 + WRITE_MARGIN.1;
+        self.reserve = self.reserve.max(LATENCY * slowdown);
     }
 
     /// Whether there is time left to try out what writing takes.
