@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 /// Longest side of the probes' pictures, pixels.
 const SIDE: u32 = 96;
-/// Samples per pixel of probes where nothing decides about them but the settings.
-const SPP: u32 = 4;
+/// Samples per pixel of probes where nothing decides about them but the settings: a tile's paths fill a wave.
+const SPP: u32 = 8;
 /// Most views of a turntable that are probed.
 const VIEWS: u32 = 3;
 /// Bytes per pixel of a picture under way: the film's sums twice (a pass works on a copy), the picture and its files.
