@@ -1,5 +1,5 @@
 use super::jackknife::LeaveOneOut;
-use super::surroundings::{Sums, sums};
+use super::surroundings::{Sums, with_surroundings};
 use super::{Display, Spread, displayed, relmse};
 use crate::film::Film;
 use rayon::prelude::*;
@@ -12,10 +12,10 @@ const BAND: usize = 32;
 /// A pixel's own replicates do not tell of light that none of its samples has met: where rare paths light a surface, most
 /// pixels are dark and state no error, though their true one, T(0) − T(μ), is large where the tone curve T is steep. The pixels
 /// around it know. As far as they differ from each other by noise alone (a share f of their variance in linear light, by their
-/// replicates), they are other outcomes of what this pixel might have been, and the spread of T over them about T(mean) is its
-/// error. So that is counted with f² (a share f of it is noise, and f of that is asked for here), and what the pixel itself says
-/// with 1 − f: on a straight curve both say f² spread + (1 − f) own = own on average, whatever f is. How far the sum can be
-/// off is still judged by the pixels' own estimates, which are independent.
+/// replicates), they are outcomes of what this pixel might have been, and a share f of the spread of T over them about T(mean) is
+/// noise as it is displayed. On a straight curve that is what their own estimates say on average; the difference is what the curve
+/// does, and is added with f³ (where texture differs more than noise, slopes at other levels say little). How far the sum can be
+/// off is judged by the pixels' own estimates, which are independent.
 pub(super) fn spreads(film: &Film, display: &Display) -> [Spread; 2] {
     let height = film.height as usize;
     let bands: Vec<[Spread; 2]> = (0..height.div_ceil(BAND))
@@ -29,23 +29,21 @@ pub(super) fn spreads(film: &Film, display: &Display) -> [Spread; 2] {
 }
 
 fn band_spreads(film: &Film, display: &Display, rows: std::ops::Range<usize>) -> [Spread; 2] {
-    let first = rows.start * film.width as usize;
     let mut spreads = [Spread::default(); 2];
-    for (at, around) in sums(film, rows, |pixel| facts(film, display, pixel)).into_iter().enumerate() {
-        let own = LeaveOneOut::of(&film.pixels[first + at], film.spp);
-        if !(own.mean[3] > 0.0) {
+    for (pixel, around) in with_surroundings(film, rows, |pixel| facts(film, display, pixel)) {
+        if pixel.count == 0.0 {
             continue;
         }
-        let own = [displayed::square_error(&own, display, film.opaque), relmse::square_error(&own)];
         let noise = if around.count > 1.0 { around.share_of_noise() } else { 0.0 };
-        let others = if noise > 0.0 {
+        let spread_around = || {
             let shown = display.levels(seen(around.center(), film.opaque));
             [around.displayed_spread(shown), around.relative_spread(relmse::EPSILON)]
-        } else {
-            [0.0; 2]
         };
-        for (spread, (own, others)) in spreads.iter_mut().zip(own.into_iter().zip(others)) {
-            spread.add((1.0 - noise) * own + noise * noise * others, own);
+        let weight = noise.min(1.0) * noise.min(1.0) * noise.min(1.0);
+        let seen_around = if noise > 0.0 { spread_around() } else { [0.0; 2] };
+        for (k, spread) in spreads.iter_mut().enumerate() {
+            let curve = noise * seen_around[k] - around.own[k] / around.count;
+            spread.add(pixel.own[k] + weight * curve, pixel.own[k]);
         }
     }
     spreads
@@ -54,13 +52,15 @@ fn band_spreads(film: &Film, display: &Display, rows: std::ops::Range<usize>) ->
 /// What is known of a pixel.
 fn facts(film: &Film, display: &Display, pixel: usize) -> Sums {
     let pixel = &film.pixels[pixel];
-    let mean = pixel.mean(film.spp);
+    let parts = LeaveOneOut::of(pixel, film.spp);
+    let mean = parts.mean;
     if !(mean[3] > 0.0) {
         return Sums::default();
     }
     let levels = display.levels(seen(mean, film.opaque));
     Sums {
         count: 1.0,
+        own: [displayed::square_error(&parts, display, film.opaque), relmse::square_error(&parts)],
         mean,
         squares: [0, 1, 2].map(|c| mean[c] * mean[c]),
         noise: pixel.variance(film.spp).iter().sum(),
@@ -132,7 +132,10 @@ mod tests {
     fn how_a_film_is_cut_into_bands_does_not_matter() {
         let film = film(|pixel, u| u * (pixel % 7) as f32);
         let display = Display::new(&PictureSettings::default(), 0.0);
-        let around = |rows| sums(&film, rows, |pixel| facts(&film, &display, pixel));
+        let around = |rows| -> Vec<Sums> {
+            let pixels = with_surroundings(&film, rows, |pixel| facts(&film, &display, pixel));
+            pixels.into_iter().map(|(_, around)| around).collect()
+        };
         let whole = around(0..SIDE as usize);
         let cut: Vec<Sums> = [0..3, 3..90, 90..SIDE as usize].into_iter().flat_map(around).collect();
         let bits = |all: &[Sums]| -> Vec<u64> {

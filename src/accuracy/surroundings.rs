@@ -8,6 +8,8 @@ const RADIUS: usize = 2;
 pub(super) struct Sums {
     /// Pixels that the asset covers.
     pub count: f64,
+    /// Of what the pixels' own replicates say of their squared errors, displayed and relative.
+    pub own: [f64; 2],
     /// Of linear, premultiplied red, green and blue, and the coverage.
     pub mean: [f64; 4],
     /// Of the squares of red, green and blue.
@@ -23,6 +25,7 @@ pub(super) struct Sums {
 impl std::ops::AddAssign<&Self> for Sums {
     fn add_assign(&mut self, other: &Self) {
         self.count += other.count;
+        (0..2).for_each(|k| self.own[k] += other.own[k]);
         (0..4).for_each(|c| self.mean[c] += other.mean[c]);
         (0..3).for_each(|c| self.squares[c] += other.squares[c]);
         self.noise += other.noise;
@@ -32,12 +35,13 @@ impl std::ops::AddAssign<&Self> for Sums {
 }
 
 impl Sums {
-    /// The share of noise in what differs between the pixels, in linear light: 1 where they differ by noise alone.
+    /// The share of noise in what differs between the pixels, in linear light: about 1 where they differ by noise alone, and more by
+    /// chance.
     pub fn share_of_noise(&self) -> f64 {
         let n = self.count;
         let seen: f64 = (0..3).map(|c| self.squares[c] - self.mean[c] * self.mean[c] / n).sum::<f64>() / (n - 1.0);
         let share = self.noise / n / seen;
-        if share.is_finite() && share > 0.0 { share.min(1.0) } else { 0.0 }
+        if share.is_finite() { share.max(0.0) } else { 0.0 }
     }
 
     /// Mean of all pixels.
@@ -63,9 +67,13 @@ impl Sums {
     }
 }
 
-/// Sums over the surroundings of every pixel of the rows `rows`, row by row. `of` tells what is known of pixel (x, y); the
-/// order of summation does not depend on how a film is cut into rows.
-pub(super) fn sums(film: &Film, rows: std::ops::Range<usize>, of: impl Fn(usize) -> Sums) -> Vec<Sums> {
+/// Every pixel of the rows `rows`, row by row: what is known of it, as `of` tells, and the sum over its surroundings, in an order
+/// that does not depend on how a film is cut into rows.
+pub(super) fn with_surroundings(
+    film: &Film,
+    rows: std::ops::Range<usize>,
+    of: impl Fn(usize) -> Sums,
+) -> Vec<(Sums, Sums)> {
     let (width, height) = (film.width as usize, film.height as usize);
     let around = |at: usize, size: usize| at.saturating_sub(RADIUS)..(at + RADIUS + 1).min(size);
     let outer = rows.start.saturating_sub(RADIUS)..(rows.end + RADIUS).min(height);
@@ -74,13 +82,13 @@ pub(super) fn sums(film: &Film, rows: std::ops::Range<usize>, of: impl Fn(usize)
         sums.for_each(|s| total += s);
         total
     };
-    let mut across = Vec::with_capacity(outer.len() * width);
-    for y in outer.clone() {
-        let row: Vec<Sums> = (y * width..(y + 1) * width).map(&of).collect();
+    let pixels: Vec<Sums> = (outer.start * width..outer.end * width).map(of).collect();
+    let mut across = Vec::with_capacity(pixels.len());
+    for row in pixels.chunks(width.max(1)) {
         across.extend((0..width).map(|x| total(&mut row[around(x, width)].iter())));
     }
     let down = |x: usize, y: usize| around(y, height).map(move |v| (v - outer.start) * width + x);
     rows.flat_map(|y| (0..width).map(move |x| (x, y)))
-        .map(|(x, y)| total(&mut down(x, y).map(|at| &across[at])))
+        .map(|(x, y)| (pixels[(y - outer.start) * width + x], total(&mut down(x, y).map(|at| &across[at]))))
         .collect()
 }

@@ -138,9 +138,9 @@ mod tests {
             |mean, spread, value, relation| judge(&film(mean, spread), &expect(value, relation), 1e-4).verdict;
         use Relation::{AtLeast, AtMost, Equal};
         // Standard error: spread / √16, with 16 degrees of freedom.
-        assert_eq!(verdict(1.0, 0.1, 1.02, Equal), Verdict::Pass);
+        assert_eq!(verdict(1.0, 0.05, 1.02, Equal), Verdict::Pass);
         assert_eq!(verdict(1.0, 0.05, 1.10, Equal), Verdict::Fail);
-        assert_eq!(verdict(1.0, 0.1, 1.10, AtMost), Verdict::Pass);
+        assert_eq!(verdict(1.0, 0.05, 1.10, AtMost), Verdict::Pass);
         assert_eq!(verdict(1.0, 0.05, 1.10, AtLeast), Verdict::Fail);
         assert_eq!(verdict(1.0, 0.05, 0.90, AtMost), Verdict::Fail);
         assert_eq!(verdict(1.0, 1.0, 1.02, Equal), Verdict::Noisy);
