@@ -6,12 +6,12 @@ use super::picture::Shot;
 use super::read::{Read, note, read};
 use super::sink::{FileSink, Sink};
 use super::stages::{StageClock, peak_bytes};
-use super::{Job, Outcome, SceneFacts, Stage, Status, digest, exposure, looks};
+use super::{Job, Outcome, SceneFacts, Stage, Status, digest, exposure, looks, selfcheck};
 use crate::accuracy::{Display, Ended, Finished, Progressive};
 use crate::film::Surfaces;
 use crate::integrate::{PassTally, View, surfaces};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
-use crate::settings::{EnvironmentSettings, Exposure, PictureFormat, PrepareSettings, Settings};
+use crate::settings::{CameraChoice, EnvironmentSettings, Exposure, PictureFormat, PrepareSettings, Settings};
 use kiln_formats::{Control, ErrorCode, Format, Scene, Stopped, Warning};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -51,8 +51,9 @@ pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
     let views = &job.settings.views;
     let budget = Budget::begin(&job.settings.goal, control, u64::from(views.width) * u64::from(views.height));
     let control = &budget.before_the_first_pass(control);
-    let work = AssertUnwindSafe(|| Work { job, control, desk, budget, outcome: &mut outcome }.run());
+    let work = AssertUnwindSafe(|| Work { job, control, desk, budget, framed: false, outcome: &mut outcome }.run());
     let ended = catch_unwind(work).unwrap_or_else(|panic| Err(Failure::of_panic(&*panic)));
+    selfcheck::conclude(&mut outcome, matches!(ended, Ok(Ended::Deadline)));
     match ended {
         Ok(Ended::Deadline) => outcome.status = Status::Partial,
         Ok(_) if outcome.warnings.is_empty() => outcome.status = Status::Ok,
@@ -82,6 +83,8 @@ pub(super) struct Work<'a> {
     pub control: &'a Control,
     pub desk: &'a Desk<'a>,
     pub budget: Budget,
+    /// Whether the asset is meant to be in its pictures as a whole: the camera is automatic or the same for all.
+    pub framed: bool,
     pub outcome: &'a mut Outcome,
 }
 
@@ -91,7 +94,8 @@ impl Work<'_> {
         let mut all = Ended::Samples;
         for index in 0..views.len() {
             let (ended, finished, surfaces) = self.render(&prepared, &views, index, exposure)?;
-            self.write(&finished, &surfaces, index as u32, exposure)?;
+            let place = (index as u32, views.len());
+            self.write(&finished, &surfaces, place, exposure)?;
             if ended? == Ended::Deadline {
                 all = Ended::Deadline;
             }
@@ -197,6 +201,12 @@ impl Work<'_> {
         let Read { imported, views } = read?;
         self.outcome.warnings = imported.warnings;
         let scene = imported.scene;
+        let own_camera = match settings.views.camera {
+            CameraChoice::Auto => false,
+            CameraChoice::Default => !scene.cameras.is_empty(),
+            CameraChoice::Named(_) => true,
+        };
+        self.framed = settings.views.fixed.is_some() || settings.views.turntable.is_some() || !own_camera;
         self.outcome.scene = Some(SceneFacts {
             triangles: scene.triangle_count(),
             instances: scene.instances.len() as u64,
@@ -283,7 +293,13 @@ impl Work<'_> {
     }
 
     /// Encodes and writes one view in every format.
-    fn write(&mut self, finished: &Finished, surfaces: &Surfaces, index: u32, exposure: f64) -> Result<(), Failure> {
+    fn write(
+        &mut self,
+        finished: &Finished,
+        surfaces: &Surfaces,
+        (index, views): (u32, usize),
+        exposure: f64,
+    ) -> Result<(), Failure> {
         self.begin(Stage::Write);
         let clock = StageClock::begin();
         let Finished { film, tally, accuracy } = finished;
@@ -293,6 +309,12 @@ impl Work<'_> {
             put.map_err(|e| Failure::unwritable(&file.record.path, &e))?;
             self.outcome.outputs.push(file.record);
         }
+        selfcheck::note(
+            self.outcome,
+            selfcheck::of_view(&film.picture(), exposure, self.framed, &self.job.settings),
+            index,
+            views,
+        );
         let (wall, cpu) = clock.seconds();
         self.outcome.seconds.write += wall;
         self.outcome.cpu_seconds.write += cpu;

@@ -132,6 +132,13 @@ impl Ledger {
         serde_json::from_slice(&bytes).ok()
     }
 
+    /// The last line of each asset, in the order of the file; what is no whole line is left out.
+    pub fn outcomes(&self) -> impl Iterator<Item = Outcome> + '_ {
+        let mut spans: Vec<Span> = self.lines.values().copied().collect();
+        spans.sort_unstable_by_key(|span| span.at);
+        spans.into_iter().filter_map(|span| self.line(span))
+    }
+
     /// The files that an asset refers to or would, as seen from its folder.
     pub fn referred(&self, name: &str) -> Vec<PathBuf> {
         let old = self.span(name).and_then(|span| self.line(span));

@@ -1,3 +1,4 @@
+use crate::write::atomic;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -5,6 +6,11 @@ use std::time::{Duration, Instant};
 
 /// How long the workers of a run that was killed may take to be gone.
 const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long a lock is asked for before somebody else is taken to have it.
+const BUSY: Duration = Duration::from_secs(1);
+/// How often it is asked for.
+const LOOK: Duration = Duration::from_millis(10);
 
 /// An output folder that is ours: one run writes into it at a time.
 ///
@@ -29,6 +35,7 @@ impl OutputLock {
         fs::create_dir_all(folder)?;
         let path = folder.join(".kiln.lock");
         let presence = folder.join(".kiln.workers");
+        let begin = Instant::now();
         let (file, unclean, warning) = loop {
             let unclean = path.exists();
             let mut file = File::options().create(true).truncate(false).write(true).read(true).open(&path)?;
@@ -41,6 +48,8 @@ impl OutputLock {
                 }
                 // Its owner took it away in this moment.
                 Ok(()) => (),
+                // A child between its fork and its exec holds it for a moment longer than a run that was killed.
+                Err(TryLockError::WouldBlock) if begin.elapsed() < BUSY => std::thread::sleep(LOOK),
                 Err(TryLockError::WouldBlock) => {
                     let message = "another run of kiln writes into it";
                     return Err(io::Error::new(io::ErrorKind::ResourceBusy, message));
@@ -60,7 +69,7 @@ impl OutputLock {
                 let message = "workers of a run that was killed still write into it";
                 return Err(io::Error::new(io::ErrorKind::ResourceBusy, message));
             }
-            std::thread::sleep(Duration::from_millis(10));
+            std::thread::sleep(LOOK);
         }
         if unclean {
             sweep(folder);
@@ -82,22 +91,15 @@ impl Drop for OutputLock {
     }
 }
 
-#[cfg(unix)]
 fn is_still_there(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let same = |a: fs::Metadata, b: fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
-    file.metadata().ok().zip(path.metadata().ok()).is_some_and(|(a, b)| same(a, b))
-}
-
-#[cfg(not(unix))]
-fn is_still_there(_: &File, path: &Path) -> bool {
-    path.exists()
+    // Where files have no numbers, nobody can take away one that is open.
+    !cfg!(unix) || file.metadata().is_ok_and(|file| atomic::is_same_file(&file, path))
 }
 
 /// Removes temporary files.
 fn sweep(folder: &Path) {
     for entry in walkdir::WalkDir::new(folder).into_iter().filter_map(Result::ok) {
-        if entry.file_type().is_file() && crate::write::atomic::is_temporary(entry.file_name()) {
+        if entry.file_type().is_file() && atomic::is_temporary(entry.file_name()) {
             // Nothing depends on it.
             let _ = fs::remove_file(entry.path());
         }

@@ -2,6 +2,7 @@
 //!
 //! Nothing here prints or exits; what happens is told to a [`Desk`] or an [`Observer`].
 
+pub mod advice;
 mod asset;
 mod budget;
 mod by_deadline;
@@ -16,12 +17,15 @@ mod ledger;
 mod lock;
 mod looks;
 mod manifest;
+mod merge;
 mod outcome;
 mod picture;
 mod read;
 mod ready;
 mod run;
 mod schedule;
+mod selfcheck;
+mod shard;
 mod sink;
 mod stages;
 mod tally;
@@ -38,10 +42,12 @@ pub use job::{Job, Output, Stage};
 pub use ledger::{Ledger, Policy, Reason, Verdict};
 pub use lock::OutputLock;
 pub use manifest::{MANIFEST, Manifest};
+pub use merge::{Merged, SHARD_NOTE, merge, note_shard};
 pub use outcome::{DroppedRecord, LimitRecord, Outcome, OutputRecord, Rays, SceneFacts, StageSeconds, Status};
 pub use ready::{Ready, make_ready};
 pub use run::{Assignment, Observer, run};
 pub use schedule::{Batch, Workshop, schedule};
+pub use shard::{Engine, Shard, ShardChoice};
 pub use sink::{FileSink, MemorySink, Sink};
 pub use tally::{Tally, Warned};
 pub use view_file::ViewFile;

@@ -36,7 +36,9 @@ pub fn make_ready(
     let mut outcome = Outcome::skipped(&job.name, job.settings.render.seed);
     // Who asks for this decides about time.
     let budget = Budget::begin(&Goal::default(), control, 0);
-    let work = AssertUnwindSafe(|| Work { job, control, desk: &desk, budget, outcome: &mut outcome }.make_ready());
+    let work = AssertUnwindSafe(|| {
+        Work { job, control, desk: &desk, budget, framed: false, outcome: &mut outcome }.make_ready()
+    });
     match catch_unwind(work).unwrap_or_else(|panic| Err(Failure::of_panic(&*panic))) {
         Ok((scene, views, exposure)) => Ok(Ready { scene, views, exposure, outcome }),
         Err(failure) => {

@@ -11,7 +11,8 @@ use super::summary;
 use clap::Args;
 use kiln::Control;
 use kiln::batch::{
-    Discovered, Found, Job, Ledger, LoadedEnvironment, MANIFEST, OutputLock, Policy, Verdict, settings_digest,
+    Discovered, Found, Job, Ledger, LoadedEnvironment, MANIFEST, OutputLock, Policy, Shard, ShardChoice, Verdict,
+    note_shard, settings_digest,
 };
 use kiln::settings::{EnvironmentSettings, PictureFormat, Settings};
 use pass::Pass;
@@ -28,6 +29,7 @@ Examples:
   kiln batch assets --out pictures --against earlier/pictures
   kiln batch assets --out pictures --dry-run       what is not up to date, and why
   kiln batch assets --out pictures --watch         render what changes until Ctrl-C
+  kiln batch assets --out shard-1 --shard 1/4      a quarter of the assets: see kiln merge
   kiln batch assets --out pictures --memory 4G --timeout 600 --jobs 8
   kiln batch assets --out pictures --json | jq 'select(.status == \"failed\")'
 
@@ -47,6 +49,9 @@ pub struct BatchCommand {
     /// Files for each picture
     #[arg(long, value_enum, value_delimiter = ',', default_value = "png,exr")]
     format: Vec<PictureFormat>,
+    /// Only a part of the assets, by their names: K/N with K from 1, or auto or auto/N where an engine says which (docs/farms.md)
+    #[arg(long, value_name = "K/N|auto", overrides_with = "shard")]
+    shard: Option<ShardChoice>,
     /// Output folder of an earlier run: the gallery compares with it
     #[arg(long, value_name = "DIR")]
     against: Option<PathBuf>,
@@ -75,7 +80,9 @@ impl BatchCommand {
     /// When nothing can be begun.
     pub fn run(self) -> Result<Exit, Fatal> {
         let settings = self.options.settings(self.format.clone())?;
-        let discovered = self.folders.search(&self.out)?;
+        let shard = self.shard()?;
+        let mut discovered = self.folders.search(&self.out)?;
+        restrict(&mut discovered, shard);
         let environment = environment(&settings)?;
         let digest = settings_digest(&settings, environment.as_deref().map(LoadedEnvironment::digest))
             .map_err(|e| Fatal::usage(format!("the settings: {e}")))?;
@@ -93,6 +100,7 @@ impl BatchCommand {
         if let Some(warning) = &lock.warning {
             eprintln!("warning: {}: {warning}", self.out.display());
         }
+        note_shard(&self.out, shard).map_err(|e| self.unwritable(&e))?;
         if self.isolation.in_process {
             self.options.start_threads()?;
         }
@@ -107,16 +115,50 @@ impl BatchCommand {
         let mut before = watch::look(&discovered, &manifest);
         let interval = Duration::from_secs_f64(seconds);
         loop {
-            let look = || watch::look(&self.folders.look(&self.out), &manifest);
+            let find = || {
+                let mut discovered = self.folders.look(&self.out);
+                restrict(&mut discovered, shard);
+                discovered
+            };
+            let look = || watch::look(&find(), &manifest);
             if !watch::wait(interval, &control, &before, look) {
                 return Ok(exit);
             }
-            let discovered = self.folders.look(&self.out);
+            let discovered = find();
             before = watch::look(&discovered, &manifest);
             exit = pass.run(&discovered, policy.clone(), true)?;
             // What an asset refers to is known when it has been read.
             for (path, seen) in watch::look(&discovered, &manifest) {
                 before.entry(path).or_insert(seen);
+            }
+        }
+    }
+
+    /// The part that is asked for.
+    fn shard(&self) -> Result<Option<Shard>, Fatal> {
+        let environment = |of| Shard::of_environment(of, |name| std::env::var(name).ok());
+        match self.shard {
+            Some(ShardChoice::Fixed(shard)) => Ok(Some(shard)),
+            Some(ShardChoice::Auto(of)) => match environment(of).map_err(Fatal::usage)? {
+                Some((engine, shard)) => {
+                    if !self.options.quiet {
+                        eprintln!("shard {shard}, as {engine} says");
+                    }
+                    Ok(Some(shard))
+                }
+                None => Err(Fatal::usage(
+                    "--shard auto: neither a Slurm array, nor an AWS Batch array, nor an indexed Job of Kubernetes runs this",
+                )),
+            },
+            None => {
+                if let Ok(Some((engine, shard))) = environment(None)
+                    && shard.of > 1
+                {
+                    eprintln!(
+                        "note: {engine} runs this as {shard}, and all assets are rendered: --shard auto takes a part"
+                    );
+                }
+                Ok(None)
             }
         }
     }
@@ -148,6 +190,13 @@ impl BatchCommand {
 
     fn unwritable(&self, error: &std::io::Error) -> Fatal {
         Fatal::failed(format!("{}: cannot be written to: {error}", self.out.display()))
+    }
+}
+
+/// Leaves the assets of a part.
+fn restrict(discovered: &mut Discovered, shard: Option<Shard>) {
+    if let Some(shard) = shard {
+        discovered.found.retain(|found| shard.has(&found.name()));
     }
 }
 

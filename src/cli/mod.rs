@@ -14,6 +14,7 @@ mod interrupt;
 mod isolation;
 mod looks;
 mod manual;
+mod merge;
 mod options;
 mod plan;
 mod progress;
@@ -41,6 +42,7 @@ Examples:
   kiln plan assets                            how long a batch will take
   kiln study chair.glb --out study            what accuracy costs in time: study/report.html
   kiln gallery pictures --against earlier     what changed since an earlier run: pictures/index.html
+  kiln merge shards/* --out pictures          joins what several machines have done
   kiln compare new.png old.png                how much two pictures differ
   kiln check                                  whether this installation computes light correctly
 
@@ -88,6 +90,8 @@ enum Command {
     Completions(manual::CompletionsCommand),
     /// Print a page of the manual
     Man(manual::ManCommand),
+    /// Join the outputs of several runs into one folder
+    Merge(merge::MergeCommand),
     /// Do jobs from standard input (what batch starts for itself)
     #[command(hide = true)]
     Worker(worker::WorkerCommand),
@@ -124,6 +128,7 @@ pub fn main() -> ExitCode {
         Command::Thumbnail(command) => command.run(),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
+        Command::Merge(command) => command.run(),
         Command::Worker(command) => command.run(),
     };
     done.unwrap_or_else(|error| error.report()).into()

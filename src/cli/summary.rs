@@ -1,5 +1,5 @@
 use super::console::{Color, Console};
-use kiln::batch::{Status, Tally};
+use kiln::batch::{Status, Tally, advice};
 
 /// What became of a batch, for people.
 pub fn text(console: &Console, tally: &Tally, seconds: f64, manifest: &str) -> String {
@@ -31,6 +31,18 @@ pub fn text(console: &Console, tally: &Tally, seconds: f64, manifest: &str) -> S
     let failed = tally.count(Status::Failed);
     if failed > tally.failures.len() {
         lines.push(format!("… and {} more", failed - tally.failures.len()));
+    }
+    let mut warnings: Vec<_> = tally.warnings.iter().collect();
+    warnings.sort_by_key(|(_, warned)| std::cmp::Reverse(warned.assets));
+    for (code, warned) in warnings {
+        let more = if warned.assets > warned.examples.len() { ", …" } else { "" };
+        let head = format!(
+            "{}: {} ({}{more})",
+            console.paint(code, Color::Yellow),
+            plural(warned.assets, "asset"),
+            warned.examples.join(", ")
+        );
+        lines.push(advice::of(code).map_or(head.clone(), |a| format!("{head}\n  {}: {}", a.meaning, a.remedy)));
     }
     lines.push(format!("manifest: {manifest}"));
     lines.join("\n")

@@ -5,6 +5,7 @@ use crate::math::luminance;
 use glam::Vec3;
 use kiln_formats::scene::{Image, Pixels, UpAxis};
 use std::f32::consts::{FRAC_1_PI, PI};
+use std::sync::{Arc, OnceLock};
 
 /// What a scene is lit by beside its own lights.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +34,7 @@ pub enum Environment {
     /// The same from everywhere.
     Constant(Vec3),
     /// An equirectangular picture.
-    Map(Box<EnvironmentMap>),
+    Map(Arc<EnvironmentMap>),
 }
 
 /// An equirectangular environment, read with bilinear interpolation and sampled by its luminance.
@@ -59,11 +60,9 @@ impl Environment {
             EnvironmentSource::None => None,
             EnvironmentSource::Constant(c) => (*c != [0.0; 3]).then(|| Self::Constant(Vec3::from(*c))),
             EnvironmentSource::Image { image, rotation_y, intensity } => {
-                EnvironmentMap::new(image, *rotation_y, *intensity, up).map(|m| Self::Map(Box::new(m)))
+                EnvironmentMap::new(image, *rotation_y, *intensity, up).map(|m| Self::Map(Arc::new(m)))
             }
-            EnvironmentSource::Studio => {
-                EnvironmentMap::new(&studio::picture(), 0.0, 1.0, up).map(|m| Self::Map(Box::new(m)))
-            }
+            EnvironmentSource::Studio => EnvironmentMap::studio(up).map(Self::Map),
         }
     }
 
@@ -124,6 +123,13 @@ impl Environment {
 }
 
 impl EnvironmentMap {
+    /// The studio, which takes longer to make than a tiny asset does to render: made once a process.
+    fn studio(up: UpAxis) -> Option<Arc<Self>> {
+        static STUDIOS: [OnceLock<Option<Arc<EnvironmentMap>>>; 2] = [OnceLock::new(), OnceLock::new()];
+        let make = || Self::new(&studio::picture(), 0.0, 1.0, up).map(Arc::new);
+        STUDIOS[usize::from(up == UpAxis::Z)].get_or_init(make).clone()
+    }
+
     fn new(image: &Image, rotation: f32, intensity: f32, up: UpAxis) -> Option<Self> {
         let (width, height) = (image.width as usize, image.height as usize);
         let decode = crate::geometry::textures::srgb_to_linear;

@@ -12,6 +12,30 @@ struct Temporary {
     committed: bool,
 }
 
+impl Temporary {
+    /// Finds a name in the folder of a file, which is made when it is missing.
+    fn beside(path: &Path) -> io::Result<Self> {
+        static COUNTER: AtomicU64 = AtomicU64::new(0);
+        if path.file_name().is_none() {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "is not a file name"));
+        }
+        if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+            fs::create_dir_all(folder)?;
+        }
+        // Not made from the name: that may already be as long as the file system allows.
+        let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let name = format!(".kiln-{}-{unique}.tmp", std::process::id());
+        Ok(Self { path: path.with_file_name(name), committed: false })
+    }
+
+    /// Becomes the file.
+    fn take_name(&mut self, path: &Path) -> io::Result<()> {
+        fs::rename(&self.path, path)?;
+        self.committed = true;
+        Ok(())
+    }
+}
+
 impl Drop for Temporary {
     fn drop(&mut self) {
         if !self.committed {
@@ -52,29 +76,46 @@ pub fn write_durably_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Resul
     })
 }
 
+/// Gives a file a second place, whole or not at all: by a link where the file system can, by a copy elsewhere.
+///
+/// # Errors
+/// Those of the file system; then `target` is as it was.
+pub fn link_or_copy(source: &Path, target: &Path) -> io::Result<()> {
+    // Of two names of one file, renaming one to the other would leave both.
+    if is_same_file(&source.metadata()?, target) {
+        return Ok(());
+    }
+    let mut temporary = Temporary::beside(target)?;
+    if fs::hard_link(source, &temporary.path).is_err() {
+        fs::copy(source, &temporary.path)?;
+    }
+    temporary.take_name(target)
+}
+
+/// Whether a path leads to a file.
+#[cfg(unix)]
+pub fn is_same_file(file: &fs::Metadata, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    path.metadata().is_ok_and(|other| (file.dev(), file.ino()) == (other.dev(), other.ino()))
+}
+
+/// Whether a path leads to a file; where files have no numbers, nobody knows.
+#[cfg(not(unix))]
+pub fn is_same_file(_: &fs::Metadata, _: &Path) -> bool {
+    false
+}
+
 /// Whether a file name is that of a temporary file of ours.
 pub fn is_temporary(name: &OsStr) -> bool {
     name.to_str().is_some_and(|name| name.starts_with(".kiln-") && name.ends_with(".tmp"))
 }
 
 fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    if path.file_name().is_none() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "is not a file name"));
-    }
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        fs::create_dir_all(folder)?;
-    }
-    // Not made from the name: that may already be as long as the file system allows.
-    let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
-    let temporary_name = format!(".kiln-{}-{unique}.tmp", std::process::id());
-    let mut temporary = Temporary { path: path.with_file_name(temporary_name), committed: false };
+    let mut temporary = Temporary::beside(path)?;
     let mut file = File::create(&temporary.path)?;
     fill(&mut file)?;
     drop(file);
-    fs::rename(&temporary.path, path)?;
-    temporary.committed = true;
-    Ok(())
+    temporary.take_name(path)
 }
 
 #[cfg(test)]

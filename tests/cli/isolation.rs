@@ -118,3 +118,67 @@ fn an_output_folder_has_one_run_at_a_time() {
     assert_eq!(files(&dir.path().join("out")), ["a.obj.png", "index.html", "manifest.jsonl"]);
     assert_eq!(statuses(&manifest(&dir.path().join("out"))), [("a.obj", "ok")]);
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_ends_the_batch_clearly_and_it_goes_on_later() {
+    let names: Vec<String> = (0..30).map(|i| format!("in/{i:02}.obj")).collect();
+    let dir = folder(&names.iter().map(|name| (name.as_str(), OBJ)).collect::<Vec<_>>());
+    fs::create_dir(dir.path().join("out")).expect("folder");
+    // A small disk of its own, which nobody else sees.
+    let script = r#"
+        mount -t tmpfs -o size=160k none out 2>/dev/null || exit 77
+        kiln() { "$KILN" batch in --out out --format png --width 64 --spp 1; }
+        kiln; echo "first $?"
+        find out -name '*.tmp' | sed 's/^/left /'
+        mount -o remount,size=64m out
+        kiln; echo "second $?"
+        find out -name '*.png' | wc -l; grep -c '"ok"' out/manifest.jsonl"#;
+    let output = std::process::Command::new("unshare")
+        .args(["--mount", "sh", "-c", script])
+        .current_dir(dir.path())
+        .env("KILN", env!("CARGO_BIN_EXE_kiln"))
+        .output();
+    let Some(output) = output.ok().filter(|o| ![Some(1), Some(77)].contains(&o.status.code())) else {
+        eprintln!("skipped: no disk can be mounted here");
+        return;
+    };
+    let said = stderr(&output);
+    assert!(said.contains("No space left") && said.contains("nothing more can be written"), "{said}");
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(told.lines().collect::<Vec<_>>(), ["first 3", "second 0", "30", "30"], "{said}");
+}
+
+#[test]
+fn a_hostile_folder_among_good_assets() {
+    let Some(shared) = std::env::var_os("KILN_SHARED").map(std::path::PathBuf::from) else {
+        eprintln!("skipped: KILN_SHARED is not set");
+        return;
+    };
+    let mut all: Vec<(String, &str)> = (0..100).map(|i| (format!("in/good/{i:03}.obj"), OBJ)).collect();
+    let nested = format!("{}{}", "{\"a\":".repeat(100_000), "}".repeat(100_000));
+    all.push(("in/deep.gltf".into(), &nested));
+    let dir = folder(&all.iter().map(|(name, text)| (name.as_str(), *text)).collect::<Vec<_>>());
+    #[cfg(unix)]
+    for (to, from) in [("..", "up"), ("loop.glb", "loop.glb"), ("/dev/zero", "zero.glb")] {
+        std::os::unix::fs::symlink(to, dir.path().join("in").join(from)).expect("link");
+    }
+    let malformed = fs::canonicalize(shared.join("assets/malformed")).expect("shared assets");
+    let faults = "good/000.obj=,003.obj=abort,050.obj=overflow";
+    let arguments = ["batch", "in", malformed.to_str().expect("text"), "--out", "out", "--quiet", "--memory", "1G"];
+    let output = command(dir.path(), &[&arguments[..], &SMALL].concat()).env("KILN_FAULT", faults).output();
+    let output = output.expect("the program runs");
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+    let lines = manifest(&dir.path().join("out"));
+    let of = |l: &Value, key: &str| l[key].as_str().unwrap_or_default().to_owned();
+    let good = lines.iter().filter(|l| of(l, "input").starts_with("in/good/")).filter(|l| of(l, "status") == "ok");
+    assert_eq!(good.count(), 98, "all but the two that were made to crash");
+    for line in lines.iter().filter(|l| of(l, "status") == "failed") {
+        assert!(!of(line, "error_code").is_empty() && !of(line, "error_message").is_empty(), "{line}");
+        let made_to = ["in/good/003.obj", "in/good/050.obj"].contains(&of(line, "input").as_str());
+        let ours = ["internal", "crashed", "stack-overflow", "no-worker"].contains(&of(line, "error_code").as_str());
+        assert_eq!(ours, made_to, "{line}");
+        assert!(line["peak_bytes"].as_u64().is_none_or(|peak| peak < 1 << 30), "{line}");
+    }
+    assert!(lines.len() > 300, "{} lines", lines.len());
+}

@@ -16,6 +16,7 @@ mod plan;
 mod quality;
 mod render;
 mod resume;
+mod shards;
 mod study;
 mod support;
 mod views;

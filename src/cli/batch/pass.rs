@@ -75,7 +75,9 @@ impl Pass<'_> {
         let shown = stands || gallery::write(&command.out, command.against.as_deref(), &self.console);
         let whole = discovered.unreadable.is_empty() && recorded.is_ok() && shown;
         let interrupted = self.control.was_asked_to_stop() && !tally.disk_full && recorded.is_ok();
-        Ok(Exit::of(&tally, whole, interrupted))
+        // A part may have nothing to do.
+        let nothing = found.is_empty() && whole && !interrupted;
+        Ok(if nothing { Exit::Done } else { Exit::of(&tally, whole, interrupted) })
     }
 }
 
