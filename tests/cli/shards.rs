@@ -73,6 +73,6 @@ fn pictures_are_looked_at_and_the_end_says_what_to_do() {
     assert_eq!((codes(&lines[0]), lines[0]["status"].as_str()), (vec!["black-picture".to_owned()], Some("warned")));
     assert_eq!(codes(&lines[1]), ["missing-material-library", "black-picture"]);
     let said = stderr(&output);
-    assert!(said.contains("black-picture: 2 assets (a.obj, b.obj)") && said.contains("--env studio"), "{said}");
+    assert!(said.contains("black-picture: 2 assets") && said.contains("--env studio"), "{said}");
     assert!(said.contains("missing-material-library: 1 asset (b.obj)"), "{said}");
 }
