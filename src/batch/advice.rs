@@ -22,6 +22,11 @@ pub fn of(code: &str) -> Option<&'static Advice> {
 
 /// All kinds, by their words.
 pub const ALL: &[Advice] = &[
+    advice(
+        "ambient-ignored",
+        "Only ambient light would show an object, and there is none in light transport",
+        "`--ray-ambient`, or `--integrator whitted`",
+    ),
     advice("ambiguous-transparency", "`d` and `Tr` of a material disagree", "write one of them"),
     advice(
         "animation-ignored",
