@@ -156,6 +156,9 @@ fn calls(mesh: &Mesh, material: &Material, effect: Effect) -> bool {
             transmits(material)
                 && (metal_rough.is_some_and(absorbs) || phong.is_some_and(|p| p.transmission != ColorInput::WHITE))
         }
+        Effect::Dispersion => {
+            transmits(material) && metal_rough.is_some_and(|m| m.volume.is_some() && m.dispersion > 0.0)
+        }
         Effect::Clearcoat => layer(|l| is_some(&l.clearcoat)),
         Effect::Sheen => layer(|l| shows(&l.sheen_color)),
         Effect::Iridescence => layer(|l| is_some(&l.iridescence)),

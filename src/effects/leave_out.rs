@@ -61,6 +61,7 @@ fn from_metal_rough(m: &mut MetalRough, effect: Effect) {
         Effect::Metal => m.metallic = NONE,
         Effect::Transmission => m.transmission = NONE,
         Effect::Refraction => m.volume = None,
+        Effect::Dispersion => m.dispersion = 0.0,
         Effect::Absorption => {
             if let Some(volume) = &mut m.volume {
                 volume.attenuation_distance = f32::INFINITY;

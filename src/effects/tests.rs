@@ -178,6 +178,7 @@ fn what_is_left_out_is_not_called_for() {
             metallic: ScalarInput::constant(0.5),
             transmission: one,
             volume: Some(volume),
+            dispersion: 1.0,
             layers: Some(layers),
             ..MetalRough::default()
         };

@@ -32,6 +32,8 @@ pub enum Effect {
     Refraction,
     /// Bodies that take away light.
     Absorption,
+    /// Bodies that bend each colour of light differently.
+    Dispersion,
     /// Clear coats.
     Clearcoat,
     /// Fibres.
@@ -62,7 +64,7 @@ pub enum Effect {
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::Textures,
         Self::NormalMaps,
         Self::VertexColors,
@@ -76,6 +78,7 @@ impl Effect {
         Self::Transmission,
         Self::Refraction,
         Self::Absorption,
+        Self::Dispersion,
         Self::Clearcoat,
         Self::Sheen,
         Self::Iridescence,
@@ -107,6 +110,7 @@ impl Effect {
             Self::Transmission => "transmission",
             Self::Refraction => "refraction",
             Self::Absorption => "absorption",
+            Self::Dispersion => "dispersion",
             Self::Clearcoat => "clearcoat",
             Self::Sheen => "sheen",
             Self::Iridescence => "iridescence",
