@@ -11,6 +11,11 @@ ended() {
     local code=$?
     if [ $code != 0 ]; then tail -n 40 "$top"/*.log "$top"/*.out >&2 2>/dev/null || true; fi
     # What was started here, by its number: daemons, and the steps of the nodes.
+    local id parent
+    for id in $(steps); do
+        parent=$(sed -n 's/^PPid:\t//p' "/proc/$id/status" 2>/dev/null || true)
+        if [ "$(cat "/proc/$parent/comm" 2>/dev/null || true)" = slurmstepd ]; then kill -9 "$parent" 2>/dev/null || true; fi
+    done
     for id in "${processes[@]}" $(steps); do kill -9 "$id" 2>/dev/null || true; done
     rm -rf "$top"
     exit $code
