@@ -29,17 +29,17 @@ pub struct Row {
     pub cpu_seconds: f64,
 }
 
-/// Runs checks on the current rayon pool; the rows come in the order of the checks. `control` counts checks.
+/// Runs checks by an integrator on the current rayon pool; the rows come in the order of the checks. `control` counts checks.
 ///
 /// # Errors
 /// [`Stopped`] when `control` asks for it.
-pub fn run(checks: &[Check], control: &Control) -> Result<Vec<Row>, Stopped> {
+pub fn run(checks: &[Check], integrator: Integrator, control: &Control) -> Result<Vec<Row>, Stopped> {
     let count = |c: &Check| c.render.strategies.len() * c.expect.iter().map(tests).sum::<usize>();
     let level = sidak(SIGNIFICANCE, checks.iter().map(count).sum());
     control.begin(checks.len() as u64);
     let rows = checks.par_iter().with_max_len(1).map(|check| {
         control.check()?;
-        let rows = match run_check(check, level) {
+        let rows = match run_check(check, integrator, level) {
             Ok(rows) => rows,
             Err(note) => vec![Row {
                 case: check.name.clone(),
@@ -58,7 +58,7 @@ pub fn run(checks: &[Check], control: &Control) -> Result<Vec<Row>, Stopped> {
     rows.collect::<Result<Vec<_>, _>>().map(|rows| rows.into_iter().flatten().collect())
 }
 
-fn run_check(check: &Check, level: f64) -> Result<Vec<Row>, String> {
+fn run_check(check: &Check, integrator: Integrator, level: f64) -> Result<Vec<Row>, String> {
     // Of its own: the caller's counts checks, not pixels.
     let control = Control::default();
     let imported = import(&check.scene, &ImportOptions::default(), &control)
@@ -79,7 +79,7 @@ fn run_check(check: &Check, level: f64) -> Result<Vec<Row>, String> {
     let mut rows = Vec::new();
     for strategy in &spec.strategies {
         let settings = RenderSettings {
-            integrator: Integrator::Path,
+            integrator,
             spp: spec.spp,
             seed: spec.seed,
             max_depth: spec.max_depth,

@@ -5,6 +5,7 @@ use super::summary::plural;
 use clap::Args;
 use kiln::Control;
 use kiln::checks::{Row, Verdict, load, run};
+use kiln::settings::Integrator;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -22,12 +23,34 @@ pub struct CheckCommand {
     /// A folder of checks: .toml files, each beside a scene
     #[arg(default_value = "scenes/checks")]
     folder: PathBuf,
+    /// Which integrator the checks try
+    #[arg(long, value_enum, default_value_t)]
+    integrator: CheckedIntegrator,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
     /// Print only what is not as expected, and the summary
     #[arg(short, long)]
     quiet: bool,
+}
+
+/// The integrators that simulate light.
+#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
+enum CheckedIntegrator {
+    /// Thousands of paths side by side: what renders pictures
+    #[default]
+    Path,
+    /// One path after the other: what a replay follows
+    Plain,
+}
+
+impl From<CheckedIntegrator> for Integrator {
+    fn from(integrator: CheckedIntegrator) -> Self {
+        match integrator {
+            CheckedIntegrator::Path => Self::Path,
+            CheckedIntegrator::Plain => Self::Plain,
+        }
+    }
 }
 
 impl CheckCommand {
@@ -42,7 +65,7 @@ impl CheckCommand {
         })?;
         let control = Control::default();
         let _interrupt = Interrupt::watch(&control);
-        let Ok(rows) = run(&checks, &control) else { return Ok(Exit::Interrupted) };
+        let Ok(rows) = run(&checks, self.integrator.into(), &control) else { return Ok(Exit::Interrupted) };
         let good = rows.iter().all(|r| r.verdict.is_good());
         if self.json {
             let summary = Summary::of(checks.len(), &rows);

@@ -233,7 +233,8 @@ impl Bsdf {
         let weight = value / pdf;
         let transmitted = wi.z < 0.0;
         let eta_scale = if transmitted { self.lobes().map(|(lobe, _)| lobe.rough_eta_scale()).product() } else { 1.0 };
-        (pdf > 0.0 && weight.is_finite() && weight != Vec3::ZERO).then_some(BsdfSample {
+        // Not a number is neither 0 nor absorbed: it goes on, and is counted where the path's weight is looked at.
+        (!(pdf <= 0.0) && weight != Vec3::ZERO).then_some(BsdfSample {
             wi,
             weight,
             pdf,
@@ -272,7 +273,7 @@ fn sees(wo: Vec3) -> bool {
 fn delta_sample(delta: &lobe::Delta, lobe_probability: f32) -> Option<BsdfSample> {
     let pdf = lobe_probability * delta.probability;
     let weight = delta.value / pdf;
-    (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample {
+    (!(pdf <= 0.0)).then_some(BsdfSample {
         wi: delta.wi,
         weight,
         pdf,

@@ -285,11 +285,12 @@ impl Wave<'_> {
             let (value, pdf) = lobes.eval(surface.wo, local);
             let weight = value * (l.splat(1.0) / pdf);
             let mut throughput = throughput.times(weight);
-            let mut on = active & pdf.gt(l.splat(0.0)) & weight.is_finite() & value.is_not_zero();
             let wi = surface.frame.to_world(local);
             let out = surface.outgoing(wi);
-            on = on & out.open;
-            let lost = on & !throughput.is_finite();
+            // What is not a number is not absorbed either.
+            let broken = active & !(pdf.is_finite() & local.is_finite());
+            let mut on = broken | active & pdf.gt(l.splat(0.0)) & value.is_not_zero() & out.open;
+            let lost = broken | on & !throughput.is_finite();
             if lost.any() {
                 self.lose(at, lost.bits());
                 on = on & !lost;
