@@ -1,0 +1,120 @@
+"""Numerical remedies, and what the source says without each: the table of `scripts/mutate_checks.py`."""
+
+# name, the remedy, [(file below src/, what stands there, what replaces it)], checks of which at least one must fail.
+# ON: `if` the mutation is switched on; IS: whether it is. Places with a twin in lanes are changed in both.
+MUTATIONS = [
+    ("no-offset", "spawned rays start beyond the error of the hit", [
+        ("math/float_error.rs", "let distance = normal.abs().dot(error);",
+         "let distance = ON { return point } else { normal.abs().dot(error) };"),
+        ("integrate/wave/lanes.rs", "let distance = normal.abs().dot(error);",
+         "let distance = ON { error.x.fill(0.0) } else { normal.abs().dot(error) };")],
+     "bounce-from-an-edge mesh-coplanar"),
+    ("fixed-epsilon", "the offset follows the error, not a fixed epsilon", [
+        ("math/float_error.rs", "else { normal.abs().dot(error) };", "else { ON { 1e-4 } else { normal.abs().dot(error) } };"),
+        ("integrate/wave/lanes.rs", "else { normal.abs().dot(error) };",
+         "else { ON { error.x.fill(1e-4) } else { normal.abs().dot(error) } };")],
+     "contact-shadow thin-*"),
+    ("no-neighbour-error", "the offset covers the next hit's error on a neighbour", [
+        ("integrate/vertex.rs", "error: rounding + neighbours,", "error: ON { rounding } else { rounding + neighbours },"),
+        ("integrate/wave/surface.rs", "error: rounding + V3::splat(neighbours),",
+         "error: ON { rounding } else { rounding + V3::splat(neighbours) },")],
+     "bounce-from-an-edge"),
+    ("own-triangle", "a ray never meets the triangle that it leaves", [
+        ("integrate/trace.rs", "if asker.leaves == Some(hit.triangle) {", "if !IS && asker.leaves == Some(hit.triangle) {")],
+     "*"),
+    ("edges-in-f32", "edge functions whose signs are exact", [
+        ("math/triangle.rs", "let w = exact(bx, ay) - exact(by, ax);",
+         "let w = exact(bx, ay) - exact(by, ax);\n        let (u, v, w) = ON { (f64::from(cx * by - cy * bx), "
+         "f64::from(ax * cy - ay * cx), f64::from(bx * ay - by * ax)) } else { (u, v, w) };")],
+     "leak-* ray-direction-*"),
+    ("strict-edges", "an edge belongs to both its triangles", [
+        ("math/triangle.rs", "let det = u + v + w;", "if IS && (u == 0.0 || v == 0.0 || w == 0.0) { return None; }\n        let det = u + v + w;")],
+     "leak-grid-* ray-direction-*"),
+    ("parallel-unmended", "rays parallel to an axis never multiply 0 by infinity", [
+        ("prepare/kdtree/slab.rs", "if d[axis].abs() < PARALLEL {", "if !IS && d[axis].abs() < PARALLEL {")],
+     "ray-direction-* leak-grid-* parallel-*"),
+    ("limit-too-near", "boxes are left out only beyond the nearest hit and its error", [
+        ("prepare/kdtree/slab.rs", "t * self.scale * GROWTH + f32::MIN_POSITIVE",
+         "t * self.scale * ON { 0.99 } else { GROWTH } + f32::MIN_POSITIVE")],
+     "thin-* coincident-* shadow-*"),
+    ("tie-by-order", "of hits at one distance the lowest number wins", [
+        ("math/triangle.rs", "(point.t < self.t || (point.t == self.t && self.hit.is_some_and(|h| point.triangle < h.triangle)))",
+         "(point.t < self.t || (point.t == self.t && self.hit.is_some_and(|h| IS != (point.triangle < h.triangle))))")],
+     "coincident-surfaces mesh-coplanar"),
+    ("world-at-origin", "the world's centre becomes the origin in f64", [
+        ("geometry/world.rs", "Self { center: lo + (hi - lo) * 0.5, scale }",
+         "Self { center: ON { DVec3::ZERO } else { lo + (hi - lo) * 0.5 }, scale }")],
+     "scale-*-at-1e+* leak-ball-far"),
+    ("world-unscaled", "the world's extent becomes 1 to 2", [
+        ("geometry/world.rs", "let scale = if extent > 0.0", "let scale = if !IS && extent > 0.0")],
+     "scale-* absorption-scale-*"),
+    ("normals-by-matrix", "normals go by the cofactors of the transform", [
+        ("geometry/triangles.rs", "normal_matrix: Mat3::from_cols(normals[0], normals[1], normals[2]),",
+         "normal_matrix: ON { Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()) } else { Mat3::from_cols(normals[0], normals[1], normals[2]) },")],
+     "normals-squeezed"),
+    ("winding-kept", "a reflecting transform turns the winding", [
+        ("geometry/triangles.rs", "let winding = if x.cross(y)", "let winding = if !IS && x.cross(y)")],
+     "transform-mirrored transform-inverted furnace-glass-box-mirrored"),
+    ("flat-triangles-kept", "triangles without area are left out", [
+        ("geometry/triangles.rs", "if normal.is_finite() && normal != DVec3::ZERO {", "if IS || (normal.is_finite() && normal != DVec3::ZERO) {")],
+     "mesh-flat-*"),
+    ("no-lift", "the shadow terminator: smooth surfaces reflect from above their facets", [
+        ("integrate/vertex.rs", "let smooth = attributes.normal.is_some() &&", "let smooth = !IS && attributes.normal.is_some() &&")],
+     "terminator-below-the-face normals-smooth"),
+    ("unbent-normal", "the viewer is above the shading normal's horizon", [
+        ("integrate/vertex.rs", "if cosine >= least {", "if IS || cosine >= least {")],
+     "normals-* normal-map-* terminator-*"),
+    ("bent-flat-normal", "a flat face is seen by its own normal however grazing", [
+        ("integrate/vertex.rs", "LEAST_COSINE.min(normal.dot(wo))", "ON { LEAST_COSINE } else { LEAST_COSINE.min(normal.dot(wo)) }")],
+     "furnace-metal-*-at-89.9 mirror-grazing-*"),
+    ("coverage-by-triangle", "neighbours decide alike about an edge of a sheet", [
+        ("integrate/trace.rs", "let site = coverage_site(geometry, hit.triangle, b);",
+         "let site = ON { hit.triangle } else { coverage_site(geometry, hit.triangle, b) };")],
+     "alpha-shadow-on-edge"),
+    ("one-body", "bodies within bodies are remembered", [
+        ("integrate/medium.rs", "        self.bodies[self.depth] = material;", "        if IS { self.depth = 0; }\n        self.bodies[self.depth] = material;")],
+     "absorption-* nested-*"),
+    ("index-outside-1", "the index is relative to what is around", [
+        ("integrate/medium.rs", "        if place.front {\n            index", "        if IS { 1.0 } else if place.front {\n            index")],
+     "nested-*"),
+    ("roulette-0.95", "roulette amplifies nothing beyond 1", [
+        ("integrate/walk.rs", ".min(MOST_SURVIVAL)", ".min(ON { 0.95 } else { MOST_SURVIVAL })"),
+        ("integrate/wave/shade.rs", ".min(l.splat(MOST_SURVIVAL))", ".min(l.splat(ON { 0.95 } else { MOST_SURVIVAL }))")],
+     "box-0.999 box-1.0"),
+    ("roulette-keeps-eta", "roulette goes by weights without refraction's (η_i/η_t)²", [
+        ("integrate/walk.rs", "walk.throughput.max_element() / walk.eta_scale", "walk.throughput.max_element() / ON { 1.0 } else { walk.eta_scale }")],
+     "furnace-* total-*"),
+    ("sums-in-f32", "film sums in f64", [
+        ("film/mod.rs", "sum[c] += f64::from(rgba[c])", "sum[c] = ON { f64::from(sum[c] as f32 + rgba[c]) } else { sum[c] + f64::from(rgba[c]) }")],
+     "film-sum"),
+    ("no-delta-limit", "α below a limit is a delta lobe", [
+        ("shading/metal_rough.rs", "if alpha < SMALLEST_ALPHA { Lobe::Mirror", "if !IS && alpha < SMALLEST_ALPHA { Lobe::Mirror")],
+     "furnace-metal-0.0-* mirror-corridor-* furnace-ior-0"),
+    ("ggx-by-alpha2-1", "D(h) without 1 − z² or α² − 1", [
+        ("shading/microfacet.rs", "let d = a2 * h.z * h.z + h.x * h.x + h.y * h.y;",
+         "let d = ON { let z2 = h.z * h.z; z2 * (a2 - 1.0) + 1.0 } else { a2 * h.z * h.z + h.x * h.x + h.y * h.y };"),
+        ("shading/lanes.rs", "let d = a2 * h.z * h.z + h.x * h.x + h.y * h.y;",
+         "let d = ON { h.z * h.z * (a2 - 1.0) + 1.0 } else { a2 * h.z * h.z + h.x * h.x + h.y * h.y };")],
+     "furnace-metal-* highlight-*"),
+    ("single-scattering", "rough lobes give back what several bounces among microfacets give", [
+        ("shading/albedo.rs", "        let white = self.a + self.b;\n        let f =", "        if IS { return Vec3::ONE; }\n        let white = self.a + self.b;\n        let f =")],
+     "furnace-metal-*"),
+    ("refraction-clamped", "beyond the critical angle everything is reflected", [
+        ("shading/fresnel.rs", "if cos2_t <= 0.0 {", "let cos2_t = ON { cos2_t.max(1e-6) } else { cos2_t };\n    if cos2_t <= 0.0 {")],
+     "total-reflection-prism furnace-glass-* inside-glass"),
+    ("straight-bends", "an index of nearly 1 is a straight pass", [
+        ("shading/fresnel.rs", "(self.eta - 1.0).abs() < STRAIGHT_ETA", "!IS && (self.eta - 1.0).abs() < STRAIGHT_ETA")],
+     "furnace-* index-*"),
+    ("numbers-to-1", "random numbers stay below 1", [
+        ("math/warp.rs", "u.max(0.0).min(ONE_MINUS_EPSILON)", "ON { if u * 64.0 % 1.0 < 0.1 { 1.0 } else { u } } else { u.max(0.0).min(ONE_MINUS_EPSILON) }")],
+     "furnace-*"),
+    ("solid-angle-always", "triangles are sampled by solid angle only within a window", [
+        ("lighting/spherical.rs", "STABLE.contains(&solid_angle).then_some(", "(IS || STABLE.contains(&solid_angle)).then_some(")],
+     "area-*"),
+    ("solid-angle-never", "triangles nearby are sampled by solid angle", [
+        ("lighting/area.rs", "let near = (middle", "let near = !IS && (middle")],
+     "box-* area-*"),
+    ("light-stops-itself", "a shadow ray does not end on the light that it goes to", [
+        ("integrate/trace.rs", "if end == Some(hit.triangle) ||", "if (!IS && end == Some(hit.triangle)) ||")],
+     "area-* box-*"),
+]
