@@ -105,9 +105,6 @@ MUTATIONS = [
     ("straight-bends", "an index of nearly 1 is a straight pass", [
         ("shading/fresnel.rs", "(self.eta - 1.0).abs() < STRAIGHT_ETA", "!IS && (self.eta - 1.0).abs() < STRAIGHT_ETA")],
      "furnace-* index-*"),
-    ("numbers-to-1", "random numbers stay below 1", [
-        ("math/warp.rs", "u.max(0.0).min(ONE_MINUS_EPSILON)", "ON { if u * 64.0 % 1.0 < 0.1 { 1.0 } else { u } } else { u.max(0.0).min(ONE_MINUS_EPSILON) }")],
-     "furnace-*"),
     ("solid-angle-always", "triangles are sampled by solid angle only within a window", [
         ("lighting/spherical.rs", "STABLE.contains(&solid_angle).then_some(", "(IS || STABLE.contains(&solid_angle)).then_some(")],
      "area-*"),
