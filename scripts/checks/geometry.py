@@ -71,7 +71,7 @@ def triangles(c):
     for a, b, d in walls:
         cut = [tuple(x + (y - x) * k / 200 for x, y in zip(b, d)) for k in range(201)]
         needles += [(a, p, q) for p, q in zip(cut, cut[1:])]
-    add("needles", "A glowing box of 2400 needles", [(matte(0.5, 1), needles)])
+    add("needles", "A glowing box of 2400 needles", [(matte(0.5, 1), needles)], spp=128)
     nothing = [((0, 0, 0), (0, 0, 0), (0.1, 0, 0)), ((0, 0, 0), (0.1, 0.1, 0.1), (0.2, 0.2, 0.2)), ((0.5, 0.5, 0.5),) * 3]
     add("degenerate", "A glowing box with triangles without area", [(matte(0.5, 1), walls + nothing)])
     add("duplicate", "A glowing box of which every triangle is there twice", [(matte(0.5, 1), walls), (matte(0.5, 1), walls)],
