@@ -32,7 +32,7 @@ MUTATIONS = [
      "leak-grid-* ray-direction-*"),
     ("parallel-unmended", "rays parallel to an axis never multiply 0 by infinity", [
         ("prepare/kdtree/slab.rs", "if d[axis].abs() < PARALLEL {", "if !IS && d[axis].abs() < PARALLEL {")],
-     "ray-direction-* leak-grid-* parallel-*"),
+     "ray-direction-* leak-grid-* nested-* total-*"),
     ("limit-too-near", "boxes are left out only beyond the nearest hit and its error", [
         ("prepare/kdtree/slab.rs", "t * self.scale * GROWTH + f32::MIN_POSITIVE",
          "t * self.scale * ON { 0.99 } else { GROWTH } + f32::MIN_POSITIVE")],
@@ -77,13 +77,16 @@ MUTATIONS = [
     ("index-outside-1", "the index is relative to what is around", [
         ("integrate/medium.rs", "        if place.front {\n            index", "        if IS { 1.0 } else if place.front {\n            index")],
      "nested-*"),
+    ("touching-forgotten", "a body that touches another is entered where that is left", [
+        ("integrate/touching.rs", "if !prepared.ways", "if IS || !prepared.ways")],
+     "absorption-touching-* glass-touching-* glass-bricks"),
     ("roulette-0.95", "roulette amplifies nothing beyond 1", [
         ("integrate/walk.rs", ".min(MOST_SURVIVAL)", ".min(ON { 0.95 } else { MOST_SURVIVAL })"),
         ("integrate/wave/shade.rs", ".min(l.splat(MOST_SURVIVAL))", ".min(l.splat(ON { 0.95 } else { MOST_SURVIVAL }))")],
      "box-0.999 box-1.0"),
     ("roulette-keeps-eta", "roulette goes by weights without refraction's (η_i/η_t)²", [
         ("integrate/walk.rs", "walk.throughput.max_element() / walk.eta_scale", "walk.throughput.max_element() / ON { 1.0 } else { walk.eta_scale }")],
-     "furnace-* total-*"),
+     "furnace-* total-* glass-slab-each-path"),
     ("sums-in-f32", "film sums in f64", [
         ("film/mod.rs", "sum[c] += f64::from(rgba[c])", "sum[c] = ON { f64::from(sum[c] as f32 + rgba[c]) } else { sum[c] + f64::from(rgba[c]) }")],
      "film-sum"),

@@ -3,6 +3,7 @@ import json
 import struct
 import zlib
 from base64 import b64encode
+from math import radians
 
 
 def quad(a, b, c, d):
@@ -113,9 +114,10 @@ def glass(ior, roughness=0.0, color=(1, 1, 1), attenuation=None, **more):
                     volume=volume, **more)
 
 
-def write_gltf(folder, name, parts, lights=(), images=()):
+def write_gltf(folder, name, parts, lights=(), images=(), camera=None):
     """`parts`: dicts of triangles, material and optionally matrix (rows), normals, colors, uvs (per corner). `lights`:
-    (KHR_lights_punctual light, matrix rows). Unindexed, so that what has no normals is flat."""
+    (KHR_lights_punctual light, matrix rows); `camera`: (vertical field of view in degrees, matrix rows). Unindexed, so that
+    what has no normals is flat."""
     data, views, accessors, meshes, nodes, materials = bytearray(), [], [], [], [], []
 
     def accessor(values, kind):
@@ -152,6 +154,9 @@ def write_gltf(folder, name, parts, lights=(), images=()):
         for k, (_, matrix) in enumerate(lights):
             nodes.append({"matrix": [row[c] for c in range(4) for row in matrix],
                           "extensions": {"KHR_lights_punctual": {"light": k}}})
+    if camera:
+        document["cameras"] = [{"type": "perspective", "perspective": {"yfov": radians(camera[0]), "znear": 1e-3, "aspectRatio": 1}}]
+        nodes.append({"camera": 0, "matrix": [row[c] for c in range(4) for row in camera[1]]})
     if images:
         uri = lambda image: "data:image/png;base64," + b64encode(image).decode()
         document["images"] = [{"uri": uri(image)} for image in images]

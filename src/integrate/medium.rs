@@ -1,8 +1,9 @@
 //! Bodies that a path is in: absorption (Beer–Lambert), refraction, and dispersion.
 
+use super::touching::Touching;
 use super::vertex::Place;
 use crate::math::spectrum::{self, Wavelength};
-use crate::prepare::PreparedScene;
+use crate::prepare::{self, PreparedScene};
 use glam::Vec3;
 use kiln_formats::scene::{MaterialId, Surface};
 
@@ -12,12 +13,7 @@ use kiln_formats::scene::{MaterialId, Surface};
 fn transmittance(prepared: &PreparedScene, material: MaterialId, distance: f32) -> Vec3 {
     let world = f64::from(distance) / prepared.frame.scale();
     let power = |base: f32, exponent: f64| {
-        if base >= 1.0 || exponent == 0.0 {
-            1.0
-        } else {
-            // A floor as in ray-format.md, section 11.6: 0 would make even the thinnest body opaque.
-            libm::pow(f64::from(base.max(1e-6)), exponent) as f32
-        }
+        if base >= 1.0 || exponent == 0.0 { 1.0 } else { libm::pow(f64::from(base), exponent) as f32 }
     };
     match &prepared.scene.materials[material as usize].surface {
         Surface::MetalRough(m) => match m.volume {
@@ -30,7 +26,8 @@ fn transmittance(prepared: &PreparedScene, material: MaterialId, distance: f32) 
         Surface::Phong(p) => Vec3::from(
             crate::geometry::textures::color(&prepared.scene, &p.transmission, &[[0.0; 2]; 2])
                 .to_array()
-                .map(|c| power(c, world)),
+                // A floor as in ray-format.md, section 11.6: 0 would make even the thinnest body opaque.
+                .map(|c| power(c.max(1e-6), world)),
         ),
         Surface::Unlit(_) => Vec3::ONE,
     }
@@ -91,13 +88,17 @@ impl Inside {
         self.last().map_or(Vec3::ONE, |material| transmittance(prepared, material, distance))
     }
 
-    /// After the path went through the surface at `place`.
+    /// After the path went through the surface at `place`, and with it through those of other bodies that touch it there.
     pub(super) fn crossed(self, prepared: &PreparedScene, place: &Place) -> Self {
-        match bounds_body(prepared, place.material) {
-            true if place.front => self.entered(place.material),
-            true => self.left(place.material),
-            false => self,
+        if !bounds_body(prepared, place.material) {
+            return self;
         }
+        let through = |inside: Self, (material, front)| match front {
+            true => inside.entered(material),
+            false => inside.left(material),
+        };
+        let touching = Touching::at(prepared, place);
+        touching.surfaces().fold(through(self, (place.material, place.front)), through)
     }
 
     /// Leaves one wavelength of the path's light, by a number in [0, 1), before it goes through a surface that bends each
@@ -139,7 +140,10 @@ impl Inside {
             }
         };
         let own = Some(place.material);
-        let around = if place.front {
+        // Bodies that touch have no air between them.
+        let around = if let Some(other) = Touching::at(prepared, place).other_way(place.front) {
+            index(Some(other), self.wavelength)
+        } else if place.front {
             index(self.last(), self.wavelength)
         } else if self.last() == own {
             index(self.left(place.material).last(), self.wavelength)
@@ -162,11 +166,7 @@ fn dispersed(ior: f32, dispersion: f32, nanometres: f32) -> f32 {
 
 /// Whether the material is the boundary of a body that absorbs and refracts.
 pub(super) fn bounds_body(prepared: &PreparedScene, material: MaterialId) -> bool {
-    match &prepared.scene.materials[material as usize].surface {
-        Surface::MetalRough(m) => m.volume.is_some(),
-        Surface::Phong(p) => !p.transmission.is_black(),
-        Surface::Unlit(_) => false,
-    }
+    prepare::bounds_body(&prepared.scene.materials[material as usize])
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod record;
 mod replay;
 mod surfaces;
 mod tile;
+mod touching;
 mod trace;
 mod vertex;
 mod walk;

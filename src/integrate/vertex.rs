@@ -48,6 +48,11 @@ impl Place {
         })
     }
 
+    /// Where rays begin that leave to the viewer's side, and to the other.
+    pub(super) fn sides(&self) -> (Vec3, Vec3) {
+        (self.spawn(self.normal), self.spawn(-self.normal))
+    }
+
     /// Where a ray towards `direction` begins.
     #[inline]
     pub(super) fn spawn(&self, direction: Vec3) -> Vec3 {

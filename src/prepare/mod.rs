@@ -17,7 +17,7 @@ use glam::{DVec3, Vec3};
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::scene::{AlphaMode, Material, Surface};
 use kiln_formats::{Control, Scene, Stopped};
-pub(crate) use parts::{PartWay, Way};
+pub(crate) use parts::{PartWay, Way, bounds_body};
 use std::time::Instant;
 
 /// Seconds that parts of the preparation took.

@@ -26,6 +26,8 @@ pub(crate) struct PartWay {
     pub way: Way,
     /// Whether its surface may emit.
     pub emits: bool,
+    /// Whether it bounds a body that another body may touch.
+    pub touches: bool,
 }
 
 /// The ways of all parts.
@@ -36,9 +38,52 @@ pub(crate) fn ways(scene: &Scene, geometry: &Geometry) -> Vec<PartWay> {
             Surface::Unlit(shown) => !shown.is_black(),
             _ => !material.emission.is_black(),
         };
-        PartWay { way: way(mesh, material), emits }
+        PartWay { way: way(mesh, material), emits, touches: false }
     };
-    geometry.parts.iter().map(|part| part_way(&scene.meshes[part.mesh as usize])).collect()
+    let mut ways: Vec<_> = geometry.parts.iter().map(|part| part_way(&scene.meshes[part.mesh as usize])).collect();
+    for part in touching_parts(scene, geometry) {
+        ways[part].touches = true;
+    }
+    ways
+}
+
+/// Whether a material is the boundary of a body that absorbs and refracts.
+pub(crate) fn bounds_body(material: &Material) -> bool {
+    match &material.surface {
+        Surface::MetalRough(m) => m.volume.is_some(),
+        Surface::Phong(p) => !p.transmission.is_black(),
+        Surface::Unlit(_) => false,
+    }
+}
+
+/// How near boxes count as touching, in units of the rays' frame: beyond the rounding of its coordinates.
+const TOUCHING: f32 = 1e-5;
+/// More bodies than this are not compared with each other: all count as touching.
+const MOST_BODIES: usize = 2000;
+
+/// The parts that bound bodies and whose boxes touch that of another one.
+fn touching_parts(scene: &Scene, geometry: &Geometry) -> Vec<usize> {
+    let of_part = |part: &crate::geometry::Part| scene.meshes[part.mesh as usize].material;
+    let is_body: Vec<bool> =
+        geometry.parts.iter().map(|part| bounds_body(&scene.materials[of_part(part) as usize])).collect();
+    let bodies: Vec<usize> = (0..is_body.len()).filter(|part| is_body[*part]).collect();
+    if bodies.len() < 2 || bodies.len() > MOST_BODIES {
+        return if bodies.len() < 2 { Vec::new() } else { bodies };
+    }
+    let mut boxes = vec![(Vec3::INFINITY, Vec3::NEG_INFINITY); is_body.len()];
+    for triangle in 0..geometry.len() as u32 {
+        let part = geometry.part_index(triangle) as usize;
+        if is_body[part] {
+            for corner in geometry.corners(triangle) {
+                boxes[part] = (boxes[part].0.min(corner), boxes[part].1.max(corner));
+            }
+        }
+    }
+    let near = |p: usize, q: usize| {
+        let gap = (boxes[p].0 - boxes[q].1).max(boxes[q].0 - boxes[p].1);
+        gap.max_element() <= TOUCHING
+    };
+    bodies.iter().copied().filter(|p| bodies.iter().any(|q| p != q && near(*p, *q))).collect()
 }
 
 fn way(mesh: &Mesh, material: &Material) -> Way {
