@@ -29,6 +29,8 @@ mod thin_wall;
 #[cfg(test)]
 mod chi2_tests;
 #[cfg(test)]
+mod double_tests;
+#[cfg(test)]
 mod furnace_tests;
 #[cfg(test)]
 mod hostile_tests;

@@ -1,6 +1,6 @@
 //! What the lobes and the models promise, direction by direction.
 
-use super::fresnel::{Interface, dielectric, dielectric_f0};
+use super::fresnel::{Interface, Schlick, dielectric, dielectric_f0};
 use super::lobe::Lobe;
 use super::test_support::*;
 use super::*;
@@ -208,4 +208,18 @@ fn materials_without_terms_are_black() {
     let mirror = PhongParams { mirror: Vec3::splat(0.5), ..black_phong() };
     let mirror = Bsdf::phong(&mirror, 0.5);
     assert!(!mirror.is_black() && !mirror.has_smooth());
+}
+
+#[test]
+fn weights_that_are_no_numbers_are_not_taken_for_absorption() {
+    for broken in [f32::NAN, f32::INFINITY] {
+        let mut bsdf = Bsdf::BLACK;
+        bsdf.push_known(Lobe::Lambert { albedo: Vec3::splat(broken) }, 1.0);
+        let sample = bsdf.sample(Vec3::Z, 0.5, [0.5; 2]).expect("goes on, to be counted");
+        assert!(!sample.weight.is_finite());
+        let mut bsdf = Bsdf::BLACK;
+        bsdf.push_known(Lobe::Mirror { fresnel: Schlick::constant(Vec3::splat(broken)) }, 1.0);
+        let sample = bsdf.sample(Vec3::Z, 0.5, [0.5; 2]).expect("goes on, to be counted");
+        assert!(sample.delta && !sample.weight.is_finite());
+    }
 }

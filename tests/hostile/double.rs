@@ -1,6 +1,7 @@
 //! A plain path tracer in f64: every triangle is tried, directions come from the BSDF alone, nothing is clever. What Kiln
 //! computes in f32 is compared with it.
 
+use crate::double_lobes::{Rough, dielectric};
 use crate::furnaces::Numbers;
 use glam::DVec3;
 use kiln::integrate::View;
@@ -13,6 +14,12 @@ pub enum Scatter {
     Matte(f64),
     /// A mirror of this reflectance at normal incidence, by Schlick's approximation.
     Mirror(f64),
+    /// The surface of a clear body of this index, smooth.
+    Glass(f64),
+    /// The same, rough: the number of its lobe in [`Twin::lobes`].
+    RoughGlass(usize),
+    /// Rough metal: the number of its lobe in [`Twin::lobes`].
+    RoughMetal(usize),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +56,7 @@ impl Triangle {
 /// Triangles in a world of constant radiance.
 pub struct Twin {
     pub triangles: Vec<Triangle>,
+    pub lobes: Vec<Rough>,
     pub world: f64,
     pub depth: u32,
 }
@@ -88,7 +96,28 @@ impl Twin {
                     throughput *= f0 + (1.0 - f0) * (1.0 - cosine).powi(5);
                     dir + normal * (2.0 * cosine)
                 }
+                Scatter::Glass(index) => {
+                    let eta = if front { index } else { 1.0 / index };
+                    let cosine = -dir.dot(normal);
+                    match dielectric(cosine, eta) {
+                        Some((reflectance, cosine_t)) if numbers.next() >= reflectance => {
+                            // Radiance is spread over another solid angle on the far side.
+                            throughput /= eta * eta;
+                            dir / eta + normal * (cosine / eta - cosine_t)
+                        }
+                        _ => dir + normal * (2.0 * cosine),
+                    }
+                }
+                Scatter::RoughMetal(k) | Scatter::RoughGlass(k) => {
+                    let (x, y) = normal.any_orthonormal_pair();
+                    let wo = DVec3::new(-dir.dot(x), -dir.dot(y), -dir.dot(normal));
+                    let numbers = [numbers.next(), numbers.next(), numbers.next()];
+                    let Some((wi, weight)) = self.lobes[k].sample(wo, front, numbers) else { return radiance };
+                    throughput *= weight;
+                    x * wi.x + y * wi.y + normal * wi.z
+                }
             };
+            dir = dir.normalize();
             leaves = Some(k);
         }
         radiance

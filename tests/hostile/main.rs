@@ -6,6 +6,7 @@ mod common;
 
 mod closed_meshes;
 mod double;
+mod double_lobes;
 mod furnaces;
 mod generated;
 mod twin;

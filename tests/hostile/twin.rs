@@ -1,10 +1,11 @@
 //! Kiln in f32 against the path tracer in f64, on random scenes: pictures by their means, and each ray by itself.
 
-use crate::common::{add, lambert, mean_and_error, shoot, view};
+use crate::common::{add, cube, lambert, mean_and_error, shoot, view};
 use crate::double::{Scatter, Triangle, Twin};
+use crate::double_lobes::{Rough, Stuff};
 use crate::furnaces::Numbers;
-use glam::{DAffine3, DVec3};
-use kiln::formats::scene::{ColorInput, Mesh, MetalRough, ScalarInput, Surface};
+use glam::{DAffine3, DQuat, DVec3};
+use kiln::formats::scene::{ColorInput, Material, Mesh, MetalRough, ScalarInput, Surface, Volume};
 use kiln::integrate::{PathEvent, View, replay};
 use kiln::math::statistics::{normal_two_sided, sidak};
 use kiln::prepare::{EnvironmentSource, prepare};
@@ -70,12 +71,97 @@ fn means_of_pictures_agree_with_double_precision() {
         let settings = RenderSettings { spp: 64, max_depth: 8, seed: case as u64, ..RenderSettings::default() };
         let world = EnvironmentSource::Constant([WORLD; 3]);
         let (got, error) = mean_and_error(&shoot(&scene, &world, &PrepareSettings::default(), &settings, &view));
-        let twin = Twin { triangles, world: f64::from(WORLD), depth: settings.max_depth };
+        let twin = Twin { triangles, lobes: vec![], world: f64::from(WORLD), depth: settings.max_depth };
         let (expected, its_error) = twin.mean(&view, 40_000, &mut numbers);
         let z = (got - expected) / error.hypot(its_error);
         assert!(normal_two_sided(z.abs()) > level, "case {case}: {got} ± {error}, in f64 {expected} ± {its_error}");
         assert!(error.hypot(its_error) < 0.02 * expected, "too noisy to tell: {error} {its_error}");
     }
+}
+
+fn metal_rough(roughness: f64, metallic: f32, color: f64, index: Option<f64>) -> Material {
+    let mut material = lambert(0.5, 0.0);
+    material.surface = Surface::MetalRough(MetalRough {
+        base_color: ColorInput::constant([color as f32; 3]),
+        metallic: ScalarInput::constant(metallic),
+        roughness: ScalarInput::constant(roughness as f32),
+        transmission: ScalarInput::constant(if index.is_some() { 1.0 } else { 0.0 }),
+        ior: index.unwrap_or(1.5) as f32,
+        volume: index.map(|_| Volume { attenuation_distance: f32::INFINITY, attenuation_color: [1.0; 3] }),
+        ..MetalRough::default()
+    });
+    material
+}
+
+/// Boxes of any shape in cells of their own, each of one stuff, among triangles that are matte or glow.
+fn boxes(numbers: &mut Numbers, kind: impl Fn(&mut Numbers) -> (Material, Option<Rough>, Scatter)) -> (Scene, Twin) {
+    let (mut scene, mut triangles) = heap(numbers, 12);
+    let mut lobes = Vec::new();
+    for cell in 0..4u32 {
+        let (material, lobe, scatter) = kind(numbers);
+        let scatter = match scatter {
+            Scatter::RoughGlass(_) => Scatter::RoughGlass(lobes.len()),
+            Scatter::RoughMetal(_) => Scatter::RoughMetal(lobes.len()),
+            other => other,
+        };
+        lobes.extend(lobe);
+        let place = DVec3::new(f64::from(cell % 2) - 0.5, f64::from(cell / 2) - 0.5, numbers.within(-0.5, 0.5)) * 1.4;
+        let size = DVec3::new(numbers.within(0.1, 0.6), numbers.within(0.02, 0.6), numbers.within(0.1, 0.6));
+        let turn = DQuat::from_axis_angle(numbers.vector().normalize(), numbers.within(0.0, 6.0));
+        let transform = DAffine3::from_scale_rotation_translation(size * 0.55, turn, place);
+        let mesh = cube(false);
+        let corner = |i: u32| transform.transform_point3(glam::Vec3::from(mesh.positions[i as usize]).as_dvec3());
+        triangles.extend(mesh.triangles.iter().map(|t| Triangle { corners: t.map(corner), scatter, emission: 0.0 }));
+        add(&mut scene, mesh.clone(), material, transform);
+    }
+    let twin = Twin { triangles, lobes, world: f64::from(WORLD), depth: 24 };
+    (scene, twin)
+}
+
+/// Renders random boxes of a kind in both; the means may differ by chance, and by `bound` of the value.
+fn boxes_agree(seed: u64, bound: f64, kind: impl Fn(&mut Numbers) -> (Material, Option<Rough>, Scatter)) {
+    const SCENES: usize = 6;
+    let level = sidak(1e-3, SCENES);
+    let mut numbers = Numbers(seed);
+    for case in 0..SCENES {
+        let (scene, twin) = boxes(&mut numbers, &kind);
+        let view = eye(&mut numbers);
+        let settings = RenderSettings { spp: 96, max_depth: twin.depth, seed: case as u64, ..RenderSettings::default() };
+        let world = EnvironmentSource::Constant([WORLD; 3]);
+        let (got, error) = mean_and_error(&shoot(&scene, &world, &PrepareSettings::default(), &settings, &view));
+        let (expected, its_error) = twin.mean(&view, 30_000, &mut numbers);
+        let z = ((got - expected).abs() - bound * expected).max(0.0) / error.hypot(its_error);
+        assert!(normal_two_sided(z) > level, "case {case}: {got} ± {error}, in f64 {expected} ± {its_error}");
+        assert!(error.hypot(its_error) < 0.02 * expected, "too noisy to tell: {error} {its_error}");
+    }
+}
+
+#[test]
+fn smooth_glass_agrees_with_double_precision() {
+    boxes_agree(13, 0.0, |numbers| {
+        let index = [1.5, 1.33, 2.4, 1.001, numbers.within(1.0, 2.0)][(numbers.next() * 5.0) as usize];
+        (metal_rough(0.0, 0.0, 1.0, Some(index)), None, Scatter::Glass(index))
+    });
+}
+
+/// The renderer's table of what metal reflects is right to 0.01, at each of a few bounces.
+#[test]
+fn rough_metal_agrees_with_double_precision() {
+    boxes_agree(14, 0.01, |numbers| {
+        let (roughness, color) = (numbers.within(0.1, 1.0), numbers.within(0.2, 1.0));
+        let lobe = Rough::new(roughness * roughness, Stuff::Metal(color));
+        (metal_rough(roughness, 1.0, color, None), Some(lobe), Scatter::RoughMetal(0))
+    });
+}
+
+/// The renderer's table for rough glass is up to 0.05 too high and so makes the lobe too dark, at each of a few encounters.
+#[test]
+fn rough_glass_agrees_with_double_precision() {
+    boxes_agree(15, 0.05, |numbers| {
+        let (roughness, index) = (numbers.within(0.2, 1.0), numbers.within(1.1, 2.0));
+        let lobe = Rough::new(roughness * roughness, Stuff::Glass(index));
+        (metal_rough(roughness, 0.0, 1.0, Some(index)), Some(lobe), Scatter::RoughGlass(0))
+    });
 }
 
 /// Every ray of many paths, tried against all triangles in f64 from the same origin along the same direction. The bound is
