@@ -60,6 +60,31 @@ def stretched(c):
           c.obj("box_needles_million", (matte(0.5, 1), rest + needles)), SERIES, value, INSIDE, max_depth=8, spp=512, strategies=BOTH)
 
 
+def strays(c):
+    """Something small far away from all the rest, as files often have it at their origin."""
+    half = lambert(0.5, emission=1.0, double_sided=False)
+    walls = [part for t in box(inward=True) for part in quarters(t)]
+    for distance in (1e4, 1e6, 1e9):
+        at = lambda p: [x + s * distance for x, s in zip(p, (1, -1, 1))]
+        scene = c.gltf(f"stray_{distance:g}", {"triangles": walls, "material": half, "matrix": scaled(1.0, distance)},
+                       {"triangles": [((0, 0, 0), (1, 0, 0), (0, 1, 0))], "material": lambert(0.5)})
+        c.add(f"stray-{distance:g}", f"A glowing box, and a triangle {distance:g} away from it", scene, SERIES, glowing_box(1.0, 0.5, 8),
+              {"eye": at(INSIDE["eye"]), "target": at(INSIDE["target"]), "vfov_deg": 70.0}, max_depth=8, strategies=BOTH, spp=256)
+    ball = [part for t in icosphere(2) for part in quarters(t)]
+    ground = quad((-1e6, -1e6, -3), (1e6, -1e6, -3), (1e6, 1e6, -3), (-1e6, 1e6, -3))
+    scene = c.gltf("ball_on_plain", {"triangles": [tuple((1e5 + x, y, z) for x, y, z in t) for t in ball], "material": lambert(1.0)},
+                   {"triangles": ground, "material": lambert(1.0)})
+    c.add("stray-plain", "A white ball over a white plain two million wide", scene, FURNACE + "All is white.", {"value": 1.0, "relative": 1e-4},
+          {"eye": [1e5 + 3, 1, 4], "target": [1e5, 0, 0], "height": 6.0}, WHITE, strategies=BOTH, spp=64, max_depth=64)
+
+
+def quarters(triangle):
+    a, b, d = triangle
+    half = lambda p, q: tuple((x + y) / 2 for x, y in zip(p, q))
+    ab, bd, da = half(a, b), half(b, d), half(d, a)
+    return [(a, ab, da), (ab, b, bd), (da, bd, d), (ab, bd, da)]
+
+
 def glasses(c):
     top = pencil((0.1, 0.2, 3), (0.1, 0.2, 0))
     plate = quad((-.9, -.9, 0), (.9, -.9, 0), (.9, .9, 0), (-.9, .9, 0))
@@ -168,6 +193,12 @@ def lights(c):
         c.add(f"area-1e-8-{name}", f"A triangle of {size:.0e} units sends 1e16", scene, why,
               {"value": 0.5 / pi * irradiance(lamp, (0, 0, 0), (0, 0, 1), 1e16), "relative": 1e-3}, pencil((0.05, -0.1, 0.02), (0, 0, 0)),
               strategies=["light", "mis"], spp=256, max_depth=1)
+    for gap in (1e-3, 1e-5):
+        lamp = quad((-.5, -.5, gap), (-.5, .5, gap), (.5, .5, gap), (.5, -.5, gap))
+        scene = c.obj(f"lamp_near_{gap:g}", ({"Kd": (0.5,) * 3}, floor), ({"Kd": (0, 0, 0), "Ke": (1,) * 3}, lamp))
+        c.add(f"area-near-{gap:g}", f"A lamp {gap:g} over the floor that it lights", scene, why,
+              {"value": 0.5 / pi * irradiance(lamp, (0.05, 0.02, 0), (0, 0, 1)), "relative": 1e-4},
+              pencil((0.05 + 0.3 * gap, 0.02, 0.5 * gap), (0.05, 0.02, 0)), strategies=["bsdf", "light", "mis"], spp=256, max_depth=1)
     disc = lambda height, radius: (f"area_light {{ position = (3, 0, {height}); color = (0.6, 0.6, 0.6); constant_attenuation_coeff = 1; "
                                    f"linear_attenuation_coeff = 0; quadratic_attenuation_coeff = 0; light_radius = {radius}; }}")
     ground = ray_mesh(quad((-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)), "diffuse = (0.5, 0.5, 0.5);")
@@ -244,6 +275,7 @@ def odds(c):
 def write(c):
     cameras(c)
     stretched(c)
+    strays(c)
     glasses(c)
     mirrors(c)
     lights(c)

@@ -117,10 +117,11 @@ def range_of_f32(c):
 
 def whole_paths(c):
     """Roulette that goes by what a path is worth outside: inside glass every path is worth 1 and none may end."""
-    scene = c.gltf("clear_slab", {"triangles": box((-1, -1, -.25), (1, 1, .25)), "material": glass(1.5)})
-    c.add("glass-slab-each-path", "Every path through a clear slab brings exactly the furnace's light", scene,
-          FURNACE + "At normal incidence a path leaves the slab sooner or later, and no path is cut short or made heavier.",
-          {"value": 1.0, "each_pixel": True}, pencil((0.1, 0.2, 3), (0.1, 0.2, 0)), WHITE, strategies=["bsdf", "mis"], spp=256, max_depth=64)
+    pile = [t for k in range(8) for t in box((-1, -1, k / 2), (1, 1, k / 2 + .25))]
+    scene = c.gltf("clear_pile", {"triangles": pile, "material": glass(1.5)})
+    c.add("glass-pile-each-path", "Every path through a pile of eight clear slabs brings exactly the furnace's light", scene,
+          FURNACE + "At normal incidence a path leaves the pile sooner or later, and none is cut short or made heavier.",
+          {"value": 1.0, "each_pixel": True}, pencil((0.1, 0.2, 7), (0.1, 0.2, 0)), WHITE, strategies=["bsdf", "mis"], spp=64, max_depth=512)
 
 
 def write(c):

@@ -73,7 +73,7 @@ struct Lit {
 }
 
 fn lit(scene: Scene, environment: &EnvironmentSource, up: UpAxis) -> Lit {
-    let frame = WorldFrame::new(world_bounds(&scene));
+    let frame = WorldFrame::new(&scene, world_bounds(&scene));
     let geometry = Geometry::new(&scene, &frame);
     let environment = Environment::new(environment, up);
     let lights = Lights::new(&scene, &geometry, &frame, environment, &PrepareSettings::default());

@@ -86,7 +86,7 @@ mod tests {
         let read = parse(&bytes(2, &[[1.0, 2.0, 3.0, 0.5, 0.0, -1.0, 0.0, 9.0], [0.0; 8].map(|_| 1.0)])).unwrap();
         let first = FileRay { origin: [1.0, 2.0, 3.0], near: 0.5, dir: [0.0, -1.0, 0.0], far: 9.0 };
         assert_eq!((read[0], read.len()), (first, 2));
-        let placed = first.placed(&WorldFrame::new(None));
+        let placed = first.placed(&WorldFrame::new(&kiln_formats::Scene::default(), None));
         assert_eq!((placed.origin.to_array(), placed.t_max), ([1.0, 1.5, 3.0], 8.5));
         assert_eq!(parse(&bytes(0, &[])), Ok(vec![]));
     }

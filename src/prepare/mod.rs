@@ -151,7 +151,7 @@ pub fn prepare(
         physical::replace_soft_lights(&mut scene, settings.point_lights);
     }
     let bounds = world_bounds(&scene);
-    let frame = WorldFrame::new(bounds);
+    let frame = WorldFrame::new(&scene, bounds);
     control.check()?;
     let geometry = Geometry::new(&scene, &frame);
     control.check()?;

@@ -63,7 +63,7 @@ fn index(random: &mut Random) -> f32 {
 /// A direction, at grazing angles half of the time.
 fn viewer(random: &mut Random) -> Vec3 {
     let cosine = if random.next() < 0.5 { random.next() } else { libm::powf(10.0, -5.0 * random.next()) };
-    direction(cosine.max(1e-5), 6.28 * random.next()).normalize()
+    direction(cosine.max(1e-5), std::f32::consts::TAU * random.next()).normalize()
 }
 
 /// A light's direction: anywhere, or near where a facet's normal near the surface's sends the viewer's.
@@ -74,7 +74,7 @@ fn light(random: &mut Random, alpha: f32, eta: f32, wo: Vec3) -> Vec3 {
         return Vec3::new(w.x, w.y, w.z * sign);
     }
     let tilt = alpha * random.next() * 3.0;
-    let turn = 6.28 * random.next();
+    let turn = std::f32::consts::TAU * random.next();
     let h = Vec3::new(tilt * libm::cosf(turn), tilt * libm::sinf(turn), 1.0).normalize();
     let cosine = wo.dot(h);
     let mirrored = (h * (2.0 * cosine) - wo).normalize();
@@ -127,7 +127,10 @@ fn rough_glass_is_what_double_precision_says() {
         let fresnel = e.oh.max(U) * root + 1.0 / e.oh;
         // Where the share is small its absolute error counts: F near index 1, 1 − F near total reflection.
         let small = 1.0 / if up { share } else { 1.0 - share }.max(U);
-        let bound = U * 32.0 * moved * (1.0 + tilt + fresnel * if up { small.min(1e3) } else { 1.0 } + if up { 0.0 } else { 1.0 / -e.ih });
+        let bound = U
+            * 32.0
+            * moved
+            * (1.0 + tilt + fresnel * if up { small.min(1e3) } else { 1.0 } + if up { 0.0 } else { 1.0 / -e.ih });
         if snell.abs() * eta * eta < 1e-4 || bound > 0.1 {
             continue;
         }
@@ -167,7 +170,11 @@ fn refraction_follows_snell_as_double_precision_has_it() {
             assert!(off <= bound, "η {eta}, {wo}: off by {off}, bound {bound}");
             let value = f64::from(delta.value.x) * eta * eta;
             let bound = 16.0 * U * (1.0 + 1.0 / (eta * eta * root) + 1.0 / o.z);
-            assert!((value - (1.0 - share)).abs() <= bound * (1.0 - share), "η {eta}, {wo}: {value}, in f64 {}", 1.0 - share);
+            assert!(
+                (value - (1.0 - share)).abs() <= bound * (1.0 - share),
+                "η {eta}, {wo}: {value}, in f64 {}",
+                1.0 - share
+            );
             compared += 1;
         }
     }

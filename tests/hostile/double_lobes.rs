@@ -102,10 +102,7 @@ impl Rough {
                 Some((r, cosine_t)) => (r, Some((1.0 - r, h * (cosine / eta - cosine_t) - wo / eta))),
             },
         };
-        [
-            (mirrored.z > 0.0).then_some((reflectance, mirrored)),
-            refracted.filter(|(_, wi)| wi.z < 0.0),
-        ]
+        [(mirrored.z > 0.0).then_some((reflectance, mirrored)), refracted.filter(|(_, wi)| wi.z < 0.0)]
     }
 
     /// G (wo·h) / (cos θo cos θh) (Walter et al. 2007, equation 41), without Fresnel's share.

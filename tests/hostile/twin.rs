@@ -126,7 +126,8 @@ fn boxes_agree(seed: u64, bound: f64, kind: impl Fn(&mut Numbers) -> (Material, 
     for case in 0..SCENES {
         let (scene, twin) = boxes(&mut numbers, &kind);
         let view = eye(&mut numbers);
-        let settings = RenderSettings { spp: 96, max_depth: twin.depth, seed: case as u64, ..RenderSettings::default() };
+        let settings =
+            RenderSettings { spp: 96, max_depth: twin.depth, seed: case as u64, ..RenderSettings::default() };
         let world = EnvironmentSource::Constant([WORLD; 3]);
         let (got, error) = mean_and_error(&shoot(&scene, &world, &PrepareSettings::default(), &settings, &view));
         let (expected, its_error) = twin.mean(&view, 30_000, &mut numbers);
