@@ -23,9 +23,8 @@ MUTATIONS = [
         ("integrate/trace.rs", "if asker.leaves == Some(hit.triangle) {", "if !IS && asker.leaves == Some(hit.triangle) {")],
      "*"),
     ("edges-in-f32", "edge functions whose signs are exact", [
-        ("math/triangle.rs", "let w = exact(bx, ay) - exact(by, ax);",
-         "let w = exact(bx, ay) - exact(by, ax);\n        let (u, v, w) = ON { (f64::from(cx * by - cy * bx), "
-         "f64::from(ax * cy - ay * cx), f64::from(bx * ay - by * ax)) } else { (u, v, w) };")],
+        ("math/triangle.rs", "let exact = |p: f32, q: f32| f64::from(p) * f64::from(q);",
+         "let exact = |p: f32, q: f32| ON { f64::from(p * q) } else { f64::from(p) * f64::from(q) };")],
      "leak-* ray-direction-* mesh-million-* transform-stretched-*"),
     ("strict-edges", "an edge belongs to both its triangles", [
         ("math/triangle.rs", "let det = u + v + w;", "if IS && (u == 0.0 || v == 0.0 || w == 0.0) { return None; }\n        let det = u + v + w;")],
