@@ -77,7 +77,8 @@ MUTATIONS = [
         ("integrate/medium.rs", "        self.bodies[self.depth] = material;", "        if IS { self.depth = 0; }\n        self.bodies[self.depth] = material;")],
      "absorption-* nested-*"),
     ("index-outside-1", "the index is relative to what is around", [
-        ("integrate/medium.rs", "        if place.front {\n            index", "        if IS { 1.0 } else if place.front {\n            index")],
+        ("integrate/medium.rs", "        let index = |material: Option<MaterialId>| {",
+         "        if IS { return 1.0; }\n        let index = |material: Option<MaterialId>| {")],
      "nested-*"),
     ("touching-forgotten", "a body that touches another is entered where that is left", [
         ("integrate/touching.rs", "if !prepared.ways", "if IS || !prepared.ways")],
