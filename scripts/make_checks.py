@@ -2,7 +2,7 @@
 """Writes scenes/checks: `python3 scripts/make_checks.py`. The same files whenever it runs."""
 from pathlib import Path
 
-from checks import extremes, geometry, light, outside, remedies, surfaces, writers
+from checks import extremes, geometry, light, outside, outside_matter, remedies, surfaces, writers
 
 FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "checks"
 
@@ -53,4 +53,5 @@ if __name__ == "__main__":
     extremes.write(checks)
     remedies.write(checks)
     outside.write(checks)
+    outside_matter.write(checks)
     print(f"{len(checks.names)} checks")
