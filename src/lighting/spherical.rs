@@ -52,11 +52,12 @@ impl SphericalTriangle {
         let below = (q * s + p * t) * sin_alpha;
         let cos_b = if below == 0.0 { 1.0 } else { ((q * t - p * s) * cos_alpha - q) / below };
         let cos_b = cos_b.clamp(-1.0, 1.0);
-        let towards_c = (c - a * a.dot(c)).try_normalize()?;
+        // At right angles to `a` even where `c` is all but opposite, as seen from a point on the edge between them.
+        let towards_c = to_c.cross(a).try_normalize()?;
         let corner = a * cos_b + towards_c * (1.0 - cos_b * cos_b).max(0.0).sqrt();
         // Uniform in height between there and `b`.
         let z = 1.0 - f64::from(u[1]) * (1.0 - corner.dot(b));
-        let across = (corner - b * b.dot(corner)).try_normalize()?;
+        let across = b.cross(corner).try_normalize()?.cross(b).try_normalize()?;
         let direction = b * z + across * (1.0 - z * z).max(0.0).sqrt();
         direction.is_finite().then_some(direction)
     }
