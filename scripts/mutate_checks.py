@@ -25,7 +25,7 @@ static ON: LazyLock<u64> = LazyLock::new(|| std::env::var("KILN_MUTATION").ok().
 pub fn on(bit: u32) -> bool { *ON >> bit & 1 == 1 }
 '''
 # Checks that take more CPU seconds run only for the mutations that name them.
-LONG = 0.25
+LONG = 0.04
 ROOT = Path(__file__).resolve().parent.parent
 
 
