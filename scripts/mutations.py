@@ -108,9 +108,9 @@ MUTATIONS = [
     ("refraction-clamped", "beyond the critical angle everything is reflected", [
         ("shading/fresnel.rs", "if cos2_t <= 0.0 {", "let cos2_t = ON { cos2_t.max(1e-6) } else { cos2_t };\n    if cos2_t <= 0.0 {")],
      "total-reflection-prism furnace-glass-* inside-glass"),
-    ("solid-angle-to-6.22", "triangles that all but touch the point are sampled by solid angle, too", [
-        ("lighting/spherical.rs", "(solid_angle >= LEAST).then_some(", "(solid_angle >= LEAST && !(IS && solid_angle > 6.22)).then_some(")],
-     "area-near-*"),
+    ("solid-angle-always", "the back of a lamp is not lit by its own front", [
+        ("lighting/spherical.rs", "STABLE.contains(&solid_angle).then_some(", "(IS || STABLE.contains(&solid_angle)).then_some(")],
+     "area-back-of-a-lamp"),
     ("solid-angle-never", "triangles nearby are sampled by solid angle", [
         ("lighting/area.rs", "let near = (middle", "let near = !IS && (middle")],
      "box-* area-*"),

@@ -7,10 +7,10 @@
 
 use glam::{DVec3, Vec3};
 
-/// The least solid angle for which this is used: below, directions are as good as parallel, and areas as good as solid angles
-/// (pbrt 4ed, 6.5.4). There is no largest one: in double precision the map is stable up to the hemisphere, where a point all but
-/// touches the triangle and area samples would have no bounded variance.
-const LEAST: f64 = 3e-4;
+/// The solid angles within which this is used: below, directions are as good as parallel, and areas as good as solid angles
+/// (pbrt 4ed, 6.5.4). Beyond, the point all but touches the triangle, or is on it: the back of a lamp would be lit by its own
+/// front, since rounding decides which side a point is on.
+const STABLE: std::ops::Range<f64> = 3e-4..6.22;
 
 /// A triangle seen from a point.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl SphericalTriangle {
         // The volume from edges, which are accurate where the corners are nearly the same direction.
         let volume = a.dot((b - a).cross(c - a)).abs();
         let solid_angle = 2.0 * libm::atan2(volume, 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
-        (solid_angle >= LEAST).then_some(Self { corners: unit, solid_angle })
+        STABLE.contains(&solid_angle).then_some(Self { corners: unit, solid_angle })
     }
 
     /// A direction, uniform over the solid angle. `None` where rounding leaves none.

@@ -103,7 +103,7 @@ impl Twin {
                         Some((reflectance, cosine_t)) if numbers.next() >= reflectance => {
                             // Radiance is spread over another solid angle on the far side.
                             throughput /= eta * eta;
-                            dir / eta + normal * (cosine / eta - cosine_t)
+                            (dir / eta + normal * (cosine / eta - cosine_t)).normalize()
                         }
                         _ => dir + normal * (2.0 * cosine),
                     }
@@ -114,10 +114,9 @@ impl Twin {
                     let numbers = [numbers.next(), numbers.next(), numbers.next()];
                     let Some((wi, weight)) = self.lobes[k].sample(wo, front, numbers) else { return radiance };
                     throughput *= weight;
-                    x * wi.x + y * wi.y + normal * wi.z
+                    (x * wi.x + y * wi.y + normal * wi.z).normalize()
                 }
             };
-            dir = dir.normalize();
             leaves = Some(k);
         }
         radiance

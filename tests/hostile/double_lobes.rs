@@ -1,4 +1,4 @@
-//! Rough lobes in f64, by the textbook: microfacet normals are sampled by D(h) cos θh alone, albedos are integrated.
+//! Rough lobes in f64, by the textbook: visible microfacet normals (Heitz 2018), integrated albedos.
 
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -61,22 +61,25 @@ impl Rough {
         let mut sum = 0.0;
         for i in 0..GRID {
             for j in 0..GRID {
-                // Half of the azimuths is the mirror image of the other.
-                let h = self.normal([at(i), 0.5 * at(j)]);
+                let h = self.normal(wo, [at(i), at(j)]);
                 for (share, wi) in self.ways(wo, h, front).into_iter().flatten() {
-                    sum += share * self.weight(wo, wi, h);
+                    sum += share * self.weight(wo, wi);
                 }
             }
         }
         sum / (GRID * GRID) as f64
     }
 
-    /// A microfacet normal with the density D(h) cos θh.
-    fn normal(&self, [u, v]: [f64; 2]) -> DVec3 {
-        let tangent2 = self.alpha * self.alpha * u / (1.0 - u);
-        let z = 1.0 / (1.0 + tangent2).sqrt();
-        let r = (1.0 - z * z).sqrt();
-        DVec3::new(r * (TAU * v).cos(), r * (TAU * v).sin(), z)
+    /// A microfacet normal that is seen from `wo` (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
+    fn normal(&self, wo: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+        let view = DVec3::new(self.alpha * wo.x, self.alpha * wo.y, wo.z).normalize();
+        let first = DVec3::new(-view.y, view.x, 0.0).try_normalize().unwrap_or(DVec3::X);
+        let second = view.cross(first);
+        let (x, y) = (u.sqrt() * (TAU * v).cos(), u.sqrt() * (TAU * v).sin());
+        let lit = 0.5 * (1.0 + view.z);
+        let y = (1.0 - lit) * (1.0 - x * x).sqrt() + lit * y;
+        let n = first * x + second * y + view * (1.0 - x * x - y * y).max(0.0).sqrt();
+        DVec3::new(self.alpha * n.x, self.alpha * n.y, n.z.max(0.0)).normalize()
     }
 
     fn eta(&self, front: bool) -> f64 {
@@ -105,21 +108,20 @@ impl Rough {
         [(mirrored.z > 0.0).then_some((reflectance, mirrored)), refracted.filter(|(_, wi)| wi.z < 0.0)]
     }
 
-    /// G (wo·h) / (cos θo cos θh) (Walter et al. 2007, equation 41), without Fresnel's share.
-    fn weight(&self, wo: DVec3, wi: DVec3, h: DVec3) -> f64 {
+    /// G2 / G1(wo), without Fresnel's share.
+    fn weight(&self, wo: DVec3, wi: DVec3) -> f64 {
         let a2 = self.alpha * self.alpha;
         let lambda = |w: DVec3| 0.5 * ((1.0 + a2 * (1.0 - w.z * w.z) / (w.z * w.z)).sqrt() - 1.0);
         // Height-correlated where both are above the surface.
-        let g = match wi.z > 0.0 {
-            true => 1.0 / (1.0 + lambda(wo) + lambda(wi)),
-            false => 1.0 / ((1.0 + lambda(wo)) * (1.0 + lambda(wi))),
-        };
-        g * wo.dot(h) / (wo.z * h.z)
+        match wi.z > 0.0 {
+            true => (1.0 + lambda(wo)) / (1.0 + lambda(wo) + lambda(wi)),
+            false => 1.0 / (1.0 + lambda(wi)),
+        }
     }
 
     /// A direction for the viewer's, both in the frame of the surface, and what the path is multiplied by.
     pub fn sample(&self, wo: DVec3, front: bool, [u, v, choice]: [f64; 3]) -> Option<(DVec3, f64)> {
-        let h = self.normal([u, v]);
+        let h = self.normal(wo, [u, v]);
         let [reflected, refracted] = self.ways(wo, h, front);
         let share = reflected.map_or_else(|| refracted.map_or(1.0, |(t, _)| 1.0 - t), |(r, _)| r);
         let at = wo.z * NODES as f64 - 0.5;
@@ -128,15 +130,15 @@ impl Rough {
         let scale = scale[k] + (scale[k + 1] - scale[k]) * (at - k as f64);
         if matches!(self.stuff, Stuff::Metal(_)) {
             let (reflectance, wi) = reflected?;
-            return Some((wi, reflectance * self.weight(wo, wi, h) * scale));
+            return Some((wi, reflectance * self.weight(wo, wi) * scale));
         }
         if choice < share {
             let (_, wi) = reflected?;
-            return Some((wi, self.weight(wo, wi, h) * scale));
+            return Some((wi, self.weight(wo, wi) * scale));
         }
         let (_, wi) = refracted?;
         let eta = self.eta(front);
-        Some((wi, self.weight(wo, wi, h) * scale / (eta * eta)))
+        Some((wi, self.weight(wo, wi) * scale / (eta * eta)))
     }
 }
 
