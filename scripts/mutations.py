@@ -64,10 +64,10 @@ MUTATIONS = [
         ("integrate/vertex.rs", "let smooth = attributes.normal.is_some() &&", "let smooth = !IS && attributes.normal.is_some() &&")],
      "terminator-below-the-face normals-smooth"),
     ("unbent-normal", "the viewer is above the shading normal's horizon", [
-        ("integrate/vertex.rs", "if cosine >= least {", "if IS || cosine >= least {")],
+        ("integrate/bend.rs", "if cosine >= least {", "if IS || cosine >= least {")],
      "normals-* normal-map-* terminator-*"),
     ("bent-flat-normal", "a flat face is seen by its own normal however grazing", [
-        ("integrate/vertex.rs", "LEAST_COSINE.min(normal.dot(wo))", "ON { LEAST_COSINE } else { LEAST_COSINE.min(normal.dot(wo)) }")],
+        ("integrate/bend.rs", "LEAST_COSINE.min(normal.dot(wo))", "ON { LEAST_COSINE } else { LEAST_COSINE.min(normal.dot(wo)) }")],
      "furnace-metal-*-at-89.9 mirror-grazing-*"),
     ("coverage-by-triangle", "neighbours decide alike about an edge of a sheet", [
         ("integrate/trace.rs", "let site = coverage_site(geometry, hit.triangle, b);",
