@@ -253,4 +253,5 @@ say otherwise. Errors are RMS as displayed, levels 0–255.
     (Path(options.out) / "seed-claims.md").write_text(head + "\n".join(chapters))
 
 
-main()
+if __name__ == "__main__":
+    main()
