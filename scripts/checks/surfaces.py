@@ -281,8 +281,8 @@ def textures(c):
                    images=[png(1, 1, [[(128, 128, 255)]])],
                    lights=[({"type": "directional", "intensity": 2.0}, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])])
     c.add("normal-map-flat", "A flat normal map changes nothing", scene,
-          "ρ/π · E · cos; 128/255 is 0.002 more than half, which tilts the normal by 0.3°: cos = 1/√(1 + 2·0.0039²).",
-          0.5 / pi * 2 / (1 + 2 * tilt**2) ** 0.5, pencil((0.1, 0.2, 3), (0.1, 0.2, 0)))
+          "ρ/π · E · cos; 128/255 is 0.002 more than half, which tilts the normal by 0.3°: cos = 1/√(1 + 2·0.0039²), or 1 where a "
+          "flat map is left out.", {"value": 0.5 / pi * 2 / (1 + 2 * tilt**2) ** 0.5, "relative": 2e-5}, pencil((0.1, 0.2, 3), (0.1, 0.2, 0)))
 
 
 def write(c):
