@@ -10,9 +10,9 @@ MUTATIONS = [
          "let distance = ON { error.x.fill(0.0) } else { normal.abs().dot(error) };")],
      "bounce-from-an-edge mesh-coplanar"),
     ("fixed-epsilon", "the offset follows the error, not a fixed epsilon", [
-        ("math/float_error.rs", "else { normal.abs().dot(error) };", "else { ON { 1e-4 } else { normal.abs().dot(error) } };"),
-        ("integrate/wave/lanes.rs", "else { normal.abs().dot(error) };",
-         "else { ON { error.x.fill(1e-4) } else { normal.abs().dot(error) } };")],
+        ("math/float_error.rs", "let distance = normal.abs().dot(error);", "let distance = ON { 1e-4 } else { normal.abs().dot(error) };"),
+        ("integrate/wave/lanes.rs", "let distance = normal.abs().dot(error);",
+         "let distance = ON { error.x.fill(1e-4) } else { normal.abs().dot(error) };")],
      "contact-shadow thin-*"),
     ("no-neighbour-error", "the offset covers the next hit's error on a neighbour", [
         ("integrate/vertex.rs", "error: rounding + neighbours,", "error: ON { rounding } else { rounding + neighbours },"),
@@ -51,8 +51,8 @@ MUTATIONS = [
         ("geometry/world.rs", "let scale = if extent > 0.0", "let scale = if !IS && extent > 0.0")],
      "scale-* absorption-scale-*"),
     ("normals-by-matrix", "normals go by the cofactors of the transform", [
-        ("geometry/triangles.rs", "normal_matrix: Mat3::from_cols(normals[0], normals[1], normals[2]),",
-         "normal_matrix: ON { Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()) } else { Mat3::from_cols(normals[0], normals[1], normals[2]) },")],
+        ("geometry/triangles.rs", "let normal_matrix = Mat3::from_cols(normals[0], normals[1], normals[2]);",
+         "let normal_matrix = ON { Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()) } else { Mat3::from_cols(normals[0], normals[1], normals[2]) };")],
      "normals-squeezed"),
     ("winding-kept", "a reflecting transform turns the winding", [
         ("geometry/triangles.rs", "let winding = if x.cross(y)", "let winding = if !IS && x.cross(y)")],
@@ -61,7 +61,7 @@ MUTATIONS = [
         ("geometry/triangles.rs", "if normal.is_finite() && normal != DVec3::ZERO {", "if IS || (normal.is_finite() && normal != DVec3::ZERO) {")],
      "mesh-flat-*"),
     ("no-lift", "the shadow terminator: smooth surfaces reflect from above their facets", [
-        ("integrate/vertex.rs", "let smooth = attributes.normal.is_some() &&", "let smooth = !IS && attributes.normal.is_some() &&")],
+        ("integrate/vertex.rs", "let lift = if attributes.normal.is_some() {", "let lift = if !IS && attributes.normal.is_some() {")],
      "terminator-below-the-face normals-smooth"),
     ("unbent-normal", "the viewer is above the shading normal's horizon", [
         ("integrate/bend.rs", "if cosine >= least {", "if IS || cosine >= least {")],
@@ -77,8 +77,8 @@ MUTATIONS = [
         ("integrate/medium.rs", "        self.bodies[self.depth] = material;", "        if IS { self.depth = 0; }\n        self.bodies[self.depth] = material;")],
      "absorption-* nested-*"),
     ("index-outside-1", "the index is relative to what is around", [
-        ("integrate/medium.rs", "        let index = |material: Option<MaterialId>| {",
-         "        if IS { return 1.0; }\n        let index = |material: Option<MaterialId>| {")],
+        ("integrate/medium.rs", "        let index = |material: Option<MaterialId>, wavelength: Option<f32>| {",
+         "        if IS { return 1.0; }\n        let index = |material: Option<MaterialId>, wavelength: Option<f32>| {")],
      "nested-*"),
     ("touching-forgotten", "a body that touches another is entered where that is left", [
         ("integrate/touching.rs", "if !prepared.ways", "if IS || !prepared.ways")],

@@ -24,7 +24,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("accuracy", &["film", "integrate", "math", "prepare", "sampling", "settings", "write"]),
     ("batch", &["accuracy", "film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
     ("plan", &["batch", "settings"]),
-    ("lab", &["accuracy", "batch", "film", "integrate", "math", "metrics", "prepare", "settings", "write"]),
+    ("lab", &["accuracy", "batch", "film", "integrate", "math", "metrics", "prepare", "sampling", "settings", "write"]),
     ("checks", &["film", "integrate", "math", "prepare", "settings"]),
     ("measure", &["geometry", "math", "prepare"]),
     ("cli", &["batch", "checks", "gallery", "lab", "measure", "metrics", "plan", "settings", "write"]),

@@ -84,10 +84,16 @@ pub fn replicate_samples(spp: u32, replicate: u32) -> u32 {
 pub struct Estimate {
     /// The mean.
     pub mean: f64,
-    /// Its variance.
+    /// Its variance; not finite where one sample says nothing of it (`null` in JSON).
+    #[serde(deserialize_with = "number_or_null")]
     pub variance: f64,
     /// Degrees of freedom of that.
     pub degrees: f64,
+}
+
+/// JSON knows no numbers that are not finite.
+fn number_or_null<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 impl Estimate {
