@@ -10,9 +10,9 @@ MUTATIONS = [
          "let distance = ON { error.x.fill(0.0) } else { normal.abs().dot(error) };")],
      "bounce-from-an-edge mesh-coplanar"),
     ("fixed-epsilon", "the offset follows the error, not a fixed epsilon", [
-        ("math/float_error.rs", "let distance = normal.abs().dot(error);", "let distance = ON { 1e-4 } else { normal.abs().dot(error) };"),
-        ("integrate/wave/lanes.rs", "let distance = normal.abs().dot(error);",
-         "let distance = ON { error.x.fill(1e-4) } else { normal.abs().dot(error) };")],
+        ("math/float_error.rs", "else { normal.abs().dot(error) };", "else { ON { 1e-4 } else { normal.abs().dot(error) } };"),
+        ("integrate/wave/lanes.rs", "else { normal.abs().dot(error) };",
+         "else { ON { error.x.fill(1e-4) } else { normal.abs().dot(error) } };")],
      "contact-shadow thin-*"),
     ("no-neighbour-error", "the offset covers the next hit's error on a neighbour", [
         ("integrate/vertex.rs", "error: rounding + neighbours,", "error: ON { rounding } else { rounding + neighbours },"),
