@@ -195,7 +195,9 @@ def test_other_threads_run_meanwhile(square):
 ])
 def test_ctrl_c_stops_it(work, tmp_path):
     program = f"""
-import kiln, pathlib
+import kiln, pathlib, signal
+# Shells start what is in the background with the signal ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 asset, out = pathlib.Path({str(SAMPLES / "frosted_dice.gltf")!r}), {str(tmp_path / "out")!r}
 print("ready", flush=True)
 try:
