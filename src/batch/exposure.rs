@@ -44,11 +44,11 @@ pub fn meter(
 const DARK_SPP: u32 = 8;
 /// Width and height of that look.
 const DARK_SIZE: u32 = 16;
-/// Luminance below which a pixel counts as black; the neutral tone curve displays it at 13 %.
-const BLACK: f32 = 0.05;
+/// Luminance below which a pixel counts as black; displayed it is at 15 %. A scene at night is above it nearly everywhere.
+const BLACK: f32 = 0.02;
 /// The share of what is covered that must not be black. Metal under lamps that are points is black but for its highlights,
 /// while a ball that is half in its own shadow is what its author wanted.
-const LEAST_LIT: f32 = 0.25;
+const LEAST_LIT: f32 = 0.36;
 
 /// Whether the first view shows next to nothing but black. Depends on scene and view alone, like [`meter`].
 ///

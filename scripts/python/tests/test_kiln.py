@@ -209,5 +209,8 @@ except KeyboardInterrupt:
     assert process.stdout.readline() == "ready\n"
     time.sleep(1)
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=20)[0] == "stopped\n"
+    try:
+        assert process.communicate(timeout=20)[0] == "stopped\n"
+    finally:
+        process.kill()
     assert process.returncode == 0
