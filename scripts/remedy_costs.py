@@ -9,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from mutations import MUTATIONS
@@ -18,8 +19,8 @@ COMPARABLE = ("no-offset no-neighbour-error own-triangle edges-in-f32 strict-edg
 
 
 def instructions(kiln, scene, view, spp, bits):
-    command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", kiln, "render", scene, "--view", view, "-o", "/tmp/cost.exr",
-               "--spp", str(spp), "--width", "24", "--height", "24", "--threads", "1", "--quiet"]
+    command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", kiln, "render", scene, "--view", view,
+               "-o", os.path.join(tempfile.gettempdir(), "cost.exr"), "--spp", str(spp), "--width", "24", "--height", "24", "--threads", "1", "--quiet"]
     out = subprocess.run(command, env={**os.environ, "KILN_MUTATION": str(bits)}, capture_output=True, text=True).stderr
     return int(re.search(r"Collected : (\d+)", out).group(1))
 

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   kiln thumbnail chair.glb chair.png
-  kiln thumbnail --size 512 file:///home/me/chair%20with%20arms.glb /tmp/thumbnail
+  kiln thumbnail --size 512 file:///models/chair%20with%20arms.glb thumbnail.png
 
 File managers that follow the freedesktop specification show Kiln's thumbnails once scripts/desktop/kiln.thumbnailer is in
 ~/.local/share/thumbnailers (docs/desktop.md).";
