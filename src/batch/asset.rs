@@ -242,7 +242,7 @@ impl Work<'_> {
         if let Some(facts) = &mut self.outcome.scene {
             facts.triangles = prepared.triangles;
             facts.emitters = prepared.emitters;
-            facts.effects = prepared.effects().iter().map(|called| called.effect.name().to_owned()).collect();
+            facts.effects = prepared.effect_names().into_iter().map(str::to_owned).collect();
         }
         Ok(prepared)
     }

@@ -13,6 +13,19 @@ impl PreparedScene {
         called
     }
 
+    /// Their names alone, without a look at the triangles.
+    pub fn effect_names(&self) -> Vec<&'static str> {
+        let ends = self.geometry.parts.iter().skip(1).map(|part| part.first_triangle);
+        let mut drawn = vec![0.0; self.scene.meshes.len()];
+        for (part, end) in self.geometry.parts.iter().zip(ends.chain([self.geometry.len() as u32])) {
+            if end > part.first_triangle {
+                drawn[part.mesh as usize] = 1.0;
+            }
+        }
+        let called = called_for(&self.scene, &drawn);
+        called.into_iter().chain(self.environment()).map(|called| called.effect.name()).collect()
+    }
+
     /// World-space areas of the scene's meshes, all placements together, in the unit of the rays' frame.
     fn mesh_areas(&self) -> Vec<f64> {
         let geometry = &self.geometry;
