@@ -2,7 +2,7 @@
 """Writes scenes/checks: `python3 scripts/make_checks.py`. The same files whenever it runs."""
 from pathlib import Path
 
-from checks import extremes, geometry, light, outside, outside_matter, remedies, surfaces, writers
+from checks import extremes, geometry, hostile, light, outside, outside_matter, remedies, surfaces, writers
 
 FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "checks"
 
@@ -54,4 +54,5 @@ if __name__ == "__main__":
     remedies.write(checks)
     outside.write(checks)
     outside_matter.write(checks)
+    hostile.write(checks)
     print(f"{len(checks.names)} checks")

@@ -14,14 +14,11 @@ MUTATIONS = [
         ("integrate/wave/lanes.rs", "else { normal.abs().dot(error) };",
          "else { ON { error.x.fill(1e-4) } else { normal.abs().dot(error) } };")],
      "contact-shadow thin-*"),
-    ("no-neighbour-error", "the offset covers the next hit's error on a neighbour", [
-        ("integrate/vertex.rs", "error: rounding + neighbours,", "error: ON { rounding } else { rounding + neighbours },"),
-        ("integrate/wave/surface.rs", "error: rounding + V3::splat(neighbours),",
-         "error: ON { rounding } else { rounding + V3::splat(neighbours) },")],
+    ("no-plane-error", "the offset covers the next hit's error in the same plane", [
+        ("integrate/vertex.rs", "error: rounding + plane,", "error: ON { rounding } else { rounding + plane },"),
+        ("integrate/wave/surface.rs", "error: rounding + V3::splat(plane),",
+         "error: ON { rounding } else { rounding + V3::splat(plane) },")],
      "bounce-from-an-edge"),
-    ("own-triangle", "a ray never meets the triangle that it leaves", [
-        ("integrate/trace.rs", "if asker.leaves == Some(hit.triangle) {", "if !IS && asker.leaves == Some(hit.triangle) {")],
-     "*"),
     ("edges-in-f32", "edge functions whose signs are exact", [
         ("math/triangle.rs", "let exact = |p: f32, q: f32| f64::from(p) * f64::from(q);",
          "let exact = |p: f32, q: f32| ON { f64::from(p * q) } else { f64::from(p) * f64::from(q) };")],
@@ -61,13 +58,18 @@ MUTATIONS = [
         ("geometry/triangles.rs", "if normal.is_finite() && normal != DVec3::ZERO {", "if IS || (normal.is_finite() && normal != DVec3::ZERO) {")],
      "mesh-flat-*"),
     ("no-lift", "the shadow terminator: smooth surfaces reflect from above their facets", [
-        ("integrate/vertex.rs", "let lift = if attributes.normal.is_some() {", "let lift = if !IS && attributes.normal.is_some() {")],
+        ("integrate/vertex.rs", "let lift = if attributes.normal.is_some() {", "let lift = if !IS && attributes.normal.is_some() {"),
+        ("integrate/wave/smooth.rs", "let lifted = known & lift.dot(self.normal).gt(far);",
+         "let lifted = ON { l.mask(0) } else { known & lift.dot(self.normal).gt(far) };")],
      "terminator-below-the-face normals-smooth"),
     ("unbent-normal", "the viewer is above the shading normal's horizon", [
-        ("integrate/bend.rs", "if cosine >= least {", "if IS || cosine >= least {")],
+        ("integrate/bend.rs", "if cosine >= least {", "if IS || cosine >= least {"),
+        ("integrate/wave/smooth.rs", "let cosine = shading.dot(wo);", "let cosine = ON { l.splat(1.0) } else { shading.dot(wo) };")],
      "normals-* normal-map-* terminator-*"),
     ("bent-flat-normal", "a flat face is seen by its own normal however grazing", [
-        ("integrate/bend.rs", "LEAST_COSINE.min(normal.dot(wo))", "ON { LEAST_COSINE } else { LEAST_COSINE.min(normal.dot(wo)) }")],
+        ("integrate/bend.rs", "LEAST_COSINE.min(normal.dot(wo))", "ON { LEAST_COSINE } else { LEAST_COSINE.min(normal.dot(wo)) }"),
+        ("integrate/wave/smooth.rs", "l.splat(LEAST_COSINE).min(self.normal.dot(wo))",
+         "ON { l.splat(LEAST_COSINE) } else { l.splat(LEAST_COSINE).min(self.normal.dot(wo)) }")],
      "furnace-metal-*-at-89.9 mirror-grazing-*"),
     ("coverage-by-triangle", "neighbours decide alike about an edge of a sheet", [
         ("integrate/trace.rs", "let site = coverage_site(geometry, hit.triangle, b);",
@@ -88,7 +90,9 @@ MUTATIONS = [
         ("integrate/wave/shade.rs", ".min(l.splat(MOST_SURVIVAL))", ".min(l.splat(ON { 0.95 } else { MOST_SURVIVAL }))")],
      "box-0.999 box-1.0"),
     ("roulette-keeps-eta", "roulette goes by weights without refraction's (η_i/η_t)²", [
-        ("integrate/walk.rs", "walk.throughput.max_element() / walk.eta_scale", "walk.throughput.max_element() / ON { 1.0 } else { walk.eta_scale }")],
+        ("integrate/walk.rs", "walk.throughput.max_element() / walk.eta_scale", "walk.throughput.max_element() / ON { 1.0 } else { walk.eta_scale }"),
+        ("integrate/wave/shade.rs", "throughput.max_element() / floats[path::ETA_SCALE]",
+         "throughput.max_element() / ON { l.splat(1.0) } else { floats[path::ETA_SCALE] }")],
      "glass-pile-each-path"),
     ("sums-in-f32", "film sums in f64", [
         ("film/mod.rs", "sum[c] += f64::from(rgba[c])", "sum[c] = ON { f64::from(sum[c] as f32 + rgba[c]) } else { sum[c] + f64::from(rgba[c]) }")],
@@ -112,9 +116,12 @@ MUTATIONS = [
         ("lighting/spherical.rs", "STABLE.contains(&solid_angle).then_some(", "(IS || STABLE.contains(&solid_angle)).then_some(")],
      "area-back-of-a-lamp"),
     ("solid-angle-never", "triangles nearby are sampled by solid angle", [
-        ("lighting/area.rs", "let near = (middle", "let near = !IS && (middle")],
-     "box-* area-*"),
+        ("lighting/area.rs", "let near = (middle", "let near = !IS && (middle"),
+        ("lighting/area_lanes.rs", "let near = self.near(l, emitter, [a, b, c], point) & active;",
+         "let near = ON { l.mask(0) } else { self.near(l, emitter, [a, b, c], point) & active };")],
+     "area-noise-*"),
     ("light-stops-itself", "a shadow ray does not end on the light that it goes to", [
-        ("integrate/trace.rs", "if end == Some(hit.triangle) ||", "if (!IS && end == Some(hit.triangle)) ||")],
+        ("integrate/trace.rs", "if end == Some(hit.triangle) ||", "if (!IS && end == Some(hit.triangle)) ||"),
+        ("integrate/wave/trace.rs", "reaches: shadows.words(shadow::REACHES),", "reaches: ON { &[] } else { shadows.words(shadow::REACHES) },")],
      "area-* box-*"),
 ]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from mutations import MUTATIONS
 
-COMPARABLE = ("no-offset no-neighbour-error own-triangle edges-in-f32 strict-edges limit-too-near tie-by-order no-lift unbent-normal "
+COMPARABLE = ("no-offset no-plane-error edges-in-f32 strict-edges limit-too-near tie-by-order no-lift unbent-normal "
               "sums-in-f32 ggx-by-alpha2-1 single-scattering solid-angle-never").split()
 
 

@@ -44,6 +44,16 @@ def irradiance(triangles, point, normal, radiance=1.0):
     return total * radiance
 
 
+def solid_angle(triangle, point):
+    """Of a triangle as seen from a point (Van Oosterom & Strackee 1983)."""
+    unit = []
+    for corner in triangle:
+        v = minus(corner, point)
+        unit.append(tuple(x / sqrt(dot(v, v)) for x in v))
+    a, b, c = unit
+    return 2 * atan2(abs(dot(a, cross(b, c))), 1 + dot(a, b) + dot(b, c) + dot(c, a))
+
+
 def ggx_furnace(alpha, degrees, f0, nodes=500):
     """What single-scattering GGX with height-correlated Smith masking and Schlick's Fresnel reflects of a white world,
     (1/cos θo) ∫ F(o·h) D(h) G2(o, i) (o·h) dh over the normals whose mirror direction i is above the surface, by the

@@ -2,7 +2,7 @@
 from math import atan, cos, pi, radians, sin, sqrt, tan
 
 from .geometry import SERIES, facing, scaled
-from .forms import glowing_box
+from .forms import glowing_box, irradiance, solid_angle
 from .surfaces import FLAT, FURNACE, WHITE, at_angle, pencil
 from .writers import box, glass, lambert, material, png, quad
 
@@ -124,7 +124,23 @@ def whole_paths(c):
           {"value": 1.0, "each_pixel": True}, pencil((0.1, 0.2, 7), (0.1, 0.2, 0)), WHITE, strategies=["bsdf", "mis"], spp=64, max_depth=512)
 
 
+def lamps_nearby(c):
+    """Light samples alone, beside a lamp: noise that is bounded by the lamp's solid angle, and not by 1/distance."""
+    floor, rho, spp = quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), 0.5, 64
+    for height in (0.1, 0.02):
+        lamp = [((-0.5, -0.5, height), (0, 0.5, height), (0.5, -0.5, height))]
+        scene = c.obj(f"lamp_of_one_triangle_{height:g}", ({"Kd": (rho,) * 3}, floor), ({"Kd": (0, 0, 0), "Ke": (1,) * 3}, lamp))
+        mean, most = rho / pi * irradiance(lamp, (0, 0, 0), (0, 0, 1)), rho / pi * solid_angle(lamp[0], (0, 0, 0))
+        c.add(f"area-noise-{height:g}", f"Light samples of a lamp of one triangle, {height:g} over the floor that it lights", scene,
+              "The mean is ρ/π · E (Lambert's contour integral). A sample that is uniform over the solid angle Ω brings ρ/π · L · Ω · cos θ, so none "
+              "brings more than ρ L Ω/π; numbers between 0 and M with the mean m have a variance of at most m (M − m), and independent samples "
+              f"the standard error √((M/m − 1)/n) for n = 8 · 8 · {spp}. Samples of the area have 1/distance in both.",
+              [{"value": mean, "resolution": sqrt((most / mean - 1) / (64 * spp))}, {"value": most, "relation": "at-most", "each_pixel": True}],
+              pencil((0.05, -0.1, 0.01), (0, 0, 0)), strategies=["light"], spp=spp, max_depth=1)
+
+
 def write(c):
+    lamps_nearby(c)
     normals_from_behind(c)
     highlights(c)
     shadows(c)

@@ -46,7 +46,7 @@ pub(super) fn direct(
             continue;
         }
         with.rays.shadow += 1;
-        let asker = Asker { sampler: *with.sampler, vertex: depth + 1, draw: k + 1, leaves: None, eye: false };
+        let asker = Asker { sampler: *with.sampler, vertex: depth + 1, draw: k + 1, eye: false };
         let inside = if outgoing.local.z < 0.0 { inside.crossed(prepared, &vertex.place) } else { inside };
         let visible = visibility(prepared, &asker, vertex, &outgoing, inside, &light);
         let weight = match (light.pdf, settings.strategy) {

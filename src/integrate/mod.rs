@@ -5,6 +5,8 @@ mod camera;
 mod cone;
 mod direct;
 mod dropped;
+#[cfg(test)]
+mod leaving_tests;
 mod material;
 mod medium;
 mod path;

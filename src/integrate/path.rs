@@ -32,7 +32,7 @@ pub(super) fn trace_path(
             let origin = course.prepared.frame.world_point(walk.origin);
             PathEvent::Ray { depth, origin, direction: walk.dir }
         });
-        let asker = Asker { sampler: *with.sampler, vertex: depth, draw: 0, leaves: walk.leaves, eye: depth == 0 };
+        let asker = Asker { sampler: *with.sampler, vertex: depth, draw: 0, eye: depth == 0 };
         let hit = closest(course.prepared, &asker, walk.origin, walk.dir);
         result.covered |= depth == 0 && hit.is_some();
         if !course.visit(depth, &mut walk, hit, &mut with) {

@@ -86,7 +86,7 @@ fn pixel(
     for sample in 0..samples {
         let mut sampler = PathSampler::new(settings.sampler, settings.seed, place, sample);
         let ((origin, dir), cone) = camera_ray(view, camera, place, sampler.get_2d(0, Purpose::Pixel));
-        let asker = Asker { sampler, vertex: 0, draw: 0, leaves: None, eye: true };
+        let asker = Asker { sampler, vertex: 0, draw: 0, eye: true };
         let Some(hit) = closest(scene, &asker, origin, dir) else { continue };
         let Some(at) = Place::new(scene, &hit, dir) else { continue };
         let vertex = Vertex::new(scene, &hit, at, dir, 1.0, cone.at(hit.t).width);

@@ -18,8 +18,6 @@ pub(super) struct Asker {
     pub vertex: u32,
     /// Number of the light sample at the vertex, from 1, or 0 for the path's own ray: each has coverage of its own.
     pub draw: u32,
-    /// The triangle that the ray leaves: flat, so the ray cannot meet it again.
-    pub leaves: Option<u32>,
     /// A camera ray, which single-sided backs do not stop.
     pub eye: bool,
 }
@@ -33,9 +31,6 @@ impl Asker {
 
 /// Whether a surface stops a ray: culling, and coverage by a number that belongs to (path, vertex, triangle).
 pub(super) fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
-    if asker.leaves == Some(hit.triangle) {
-        return false;
-    }
     if !prepared.filtered {
         return true;
     }
@@ -78,7 +73,7 @@ pub(super) fn closest(prepared: &PreparedScene, asker: &Asker, origin: Vec3, dir
 }
 
 /// The share of a light sample that arrives at a vertex by its direction `shading`: zero, or what bodies on the way let
-/// through. `inside` tells what the shadow ray begins in; `asker` need not say what the ray leaves.
+/// through. `inside` tells what the shadow ray begins in.
 pub(super) fn visibility(
     prepared: &PreparedScene,
     asker: &Asker,
@@ -87,7 +82,6 @@ pub(super) fn visibility(
     inside: Inside,
     light: &LightSample,
 ) -> Vec3 {
-    let mut asker = Asker { leaves: shading.leaves, ..*asker };
     let origin = shading.origin;
     let (ray, end) = match light.target {
         Target::Infinity => (Ray { origin, dir: light.direction, t_max: f32::INFINITY }, None),
@@ -95,7 +89,6 @@ pub(super) fn visibility(
             // Points of a disc may lie below the horizon though its centre, which shades, does not.
             let out = vertex.towards(point - vertex.receiver().point);
             let Some(out) = out.filter(|o| (o.local.z > 0.0) == (shading.local.z > 0.0)) else { return Vec3::ZERO };
-            asker.leaves = out.leaves;
             (Ray { origin: out.origin, dir: point - out.origin, t_max: 1.0 }, None)
         }
         Target::Triangle { triangle, point, error, normal } => {
@@ -112,7 +105,7 @@ pub(super) fn visibility(
     };
     let mut tinted = false;
     let blocked = prepared.tree.occluded(&ray, |hit| {
-        if end == Some(hit.triangle) || !stops(prepared, &asker, hit, ray.dir) {
+        if end == Some(hit.triangle) || !stops(prepared, asker, hit, ray.dir) {
             return false;
         }
         let tints = light.through_glass && tints(hit);
@@ -123,7 +116,7 @@ pub(super) fn visibility(
         return Vec3::ZERO;
     }
     if tinted {
-        return straight_transmittance(prepared, &asker, &ray, inside, tints);
+        return straight_transmittance(prepared, asker, &ray, inside, tints);
     }
     rest(prepared, inside, &ray)
 }
@@ -146,13 +139,12 @@ fn straight_transmittance(
     // A line meets each triangle once, and once more where rounding has it so: the loop must end.
     let most_crossings = 2 * prepared.geometry.len();
     let mut transmittance = Vec3::ONE;
-    let (mut origin, mut leaves) = (ray.origin, asker.leaves);
+    let mut origin = ray.origin;
     let end = ray.origin + ray.dir * if ray.t_max.is_finite() { ray.t_max } else { 0.0 };
     for _ in 0..=most_crossings {
         let (dir, t_max) = if ray.t_max.is_finite() { (end - origin, 1.0) } else { (ray.dir, f32::INFINITY) };
         let segment = Ray { origin, dir, t_max };
-        let here = Asker { leaves, ..*asker };
-        let Some(hit) = prepared.tree.closest(&segment, |hit| tints(hit) && stops(prepared, &here, hit, dir)) else {
+        let Some(hit) = prepared.tree.closest(&segment, |hit| tints(hit) && stops(prepared, asker, hit, dir)) else {
             return transmittance * rest(prepared, inside, &segment);
         };
         let Some(place) = Place::new(prepared, &hit, dir) else { return transmittance };
@@ -163,7 +155,6 @@ fn straight_transmittance(
         }
         inside = inside.crossed(prepared, &place);
         origin = place.spawn(dir);
-        leaves = Some(hit.triangle);
     }
     Vec3::ZERO
 }

@@ -11,6 +11,10 @@ use crate::shading::{Bsdf, RoughLobes};
 use glam::Vec3;
 use kiln_formats::scene::{Layers, MaterialId};
 
+/// How far off a plane the next ray may seem to meet it, in rounding errors of the size of a triangle in it (`kdtree::slab`): with
+/// that much of a distance a ray meets neither the flat triangle that it leaves nor neighbours in its plane.
+pub(super) const SAME_PLANE: u32 = 15;
+
 /// A point on a surface, seen from one side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -33,16 +37,15 @@ impl Place {
         let [p0, p1, p2] = [corners[0] * (1.0 - hit.b1 - hit.b2), corners[1] * hit.b1, corners[2] * hit.b2];
         let outward = geometry.unit_normal(hit.triangle);
         let front = dir.dot(outward) < 0.0;
-        // The point is rounded, and so is where the next ray will seem to meet a neighbour in the same plane: within
-        // 15 u of the neighbour's size (`kdtree::slab`), for which this triangle's stands.
+        // The point is rounded, and so is what the next ray meets.
         let rounding = (p0.abs() + p1.abs() + p2.abs()) * gamma(7);
         let [lo, hi] = [corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2])];
-        let neighbours = (hi - lo).max_element() * gamma(15);
+        let plane = (hi - lo).max_element() * gamma(SAME_PLANE);
         Some(Self {
             triangle: hit.triangle,
             material: geometry.material(&prepared.scene, hit.triangle),
             point: p0 + p1 + p2,
-            error: rounding + neighbours,
+            error: rounding + plane,
             normal: if front { outward } else { -outward },
             front,
         })
@@ -96,8 +99,6 @@ pub(super) struct Outgoing {
     pub local: Vec3,
     /// Where the ray begins.
     pub origin: Vec3,
-    /// The triangle that the ray cannot meet: it starts on it, and goes away from it.
-    pub leaves: Option<u32>,
 }
 
 impl Vertex {
@@ -185,14 +186,14 @@ impl Vertex {
     }
 
     fn outgoing(&self, wi: Vec3, local: Vec3) -> Option<Outgoing> {
-        let Place { triangle, error, normal, .. } = self.place;
+        let Place { error, normal, .. } = self.place;
         let (above, reflected) = (wi.dot(normal) > 0.0, local.z > 0.0);
         if above == reflected {
             let origin = if reflected { self.point } else { self.place.point };
-            return Some(Outgoing { local, origin: offset_point(origin, error, normal, wi), leaves: Some(triangle) });
+            return Some(Outgoing { local, origin: offset_point(origin, error, normal, wi) });
         }
         // From above the triangle it may pass beyond its edges, or be stopped by it.
-        (reflected && self.lifted).then_some(Outgoing { local, origin: self.point, leaves: None })
+        (reflected && self.lifted).then_some(Outgoing { local, origin: self.point })
     }
 
     /// The vertex as a receiver of light.

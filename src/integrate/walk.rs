@@ -62,15 +62,13 @@ pub(super) struct Walk {
     pub cone: Cone,
     pub inside: Inside,
     pub sent: Sent,
-    /// The triangle that the ray leaves.
-    pub leaves: Option<u32>,
 }
 
 impl Walk {
     /// Begins at the camera.
     pub fn new(((origin, dir), cone): ((Vec3, Vec3), Cone)) -> Self {
         let (inside, sent) = (Inside::default(), Sent { smooth: None });
-        Self { origin, dir, throughput: Vec3::ONE, eta_scale: 1.0, cone, inside, sent, leaves: None }
+        Self { origin, dir, throughput: Vec3::ONE, eta_scale: 1.0, cone, inside, sent }
     }
 }
 
@@ -179,7 +177,6 @@ impl<'a> Course<'a> {
         walk.sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), sample.pdf)) };
         walk.origin = outgoing.origin;
         walk.dir = wi;
-        walk.leaves = outgoing.leaves;
         with.rays.bounce += 1;
         true
     }

@@ -5,7 +5,6 @@ use crate::integrate::View;
 use crate::integrate::camera::NearCamera;
 use crate::integrate::medium::Inside;
 use crate::lanes::{LANES, Lanes, Words, Work};
-use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSampler, PathSamplers, Purpose};
 use crate::settings::RenderSettings;
 use glam::Vec3;
@@ -55,7 +54,6 @@ impl Work for Begin<'_> {
                 let [key, index] = samplers.words();
                 let mut words = [l.word(0); path::WORDS];
                 words[path::SLOT] = l.lane_numbers() + at as u32;
-                words[path::LEAVES] = l.word(NO_TRIANGLE);
                 words[path::KEY] = key;
                 words[path::INDEX] = index;
                 memory.paths.store::<L>(at, l.first(LANES), floats, words);

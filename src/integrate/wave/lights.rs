@@ -50,7 +50,6 @@ impl Chosen {
 pub(super) struct Carried<L: Lanes> {
     pub throughput: V3<L::F>,
     pub slot: L::U,
-    pub triangle: L::U,
     pub samplers: PathSamplers<L>,
     /// How the vertex scatters.
     pub lobes: RoughLanes<L::F>,
@@ -101,7 +100,6 @@ impl Wave<'_> {
                 let own = surface.outgoing(to);
                 open = open & (!points | own.open & to.dot(surface.frame.z).gt(l.splat(0.0)));
                 out.origin = V3::select(points, own.origin, out.origin);
-                out.above = (points & own.above) | (!points & out.above);
             }
             let on_triangle = !(points | infinite);
             let moved = offset_point(target, chosen.error, chosen.normal, out.origin - target);
@@ -120,9 +118,8 @@ impl Wave<'_> {
             let t_max = L::F::select(infinite, l.splat(f32::INFINITY), l.splat(1.0));
             let [o, d, e] = [out.origin.components(), dir.components(), light.components()];
             let floats = [o[0], o[1], o[2], d[0], d[1], d[2], t_max, e[0], e[1], e[2]];
-            let leaves = L::U::select(out.above, carried.triangle, none);
-            let words = [carried.slot, leaves, chosen.triangle, l.word(k + 1)];
-            const { assert!(shadow::LIGHT == 7 && shadow::DRAW == 3) };
+            let words = [carried.slot, chosen.triangle, l.word(k + 1)];
+            const { assert!(shadow::LIGHT == 7 && shadow::DRAW == 2) };
             let shadows = &mut self.memory.shadows;
             shadows.store::<L>(shadows.len, open, floats, words);
             shadows.len += open.count();

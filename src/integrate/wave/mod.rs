@@ -22,7 +22,6 @@ use super::tile::{SIDE, Tile};
 use super::walk::{Course, Sent, Walk};
 use super::{View, camera_ray};
 use crate::lighting::{LightRoom, Receiver};
-use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
 use glam::Vec3;
@@ -53,11 +52,10 @@ mod path {
     pub const FLOATS: usize = 19;
 
     pub const SLOT: usize = 0;
-    pub const LEAVES: usize = 1;
-    pub const FLAGS: usize = 2;
-    pub const KEY: usize = 3;
-    pub const INDEX: usize = 4;
-    pub const WORDS: usize = 5;
+    pub const FLAGS: usize = 1;
+    pub const KEY: usize = 2;
+    pub const INDEX: usize = 3;
+    pub const WORDS: usize = 4;
 
     /// The receiver takes light from both sides.
     pub const BOTH_SIDES: u32 = 1;
@@ -84,11 +82,10 @@ mod shadow {
     pub const LIGHT: usize = 7;
     pub const FLOATS: usize = 10;
     pub const SLOT: usize = 0;
-    pub const LEAVES: usize = 1;
-    pub const REACHES: usize = 2;
+    pub const REACHES: usize = 1;
     /// Number of the light sample at its vertex, from 1.
-    pub const DRAW: usize = 3;
-    pub const WORDS: usize = 4;
+    pub const DRAW: usize = 2;
+    pub const WORDS: usize = 3;
 }
 
 /// What a path has beside its rows, at its slot.
@@ -259,7 +256,6 @@ impl Memory {
             normal: rows.vector(path::NORMAL, at),
             both_sides: flags & path::BOTH_SIDES != 0,
         };
-        let leaves = rows.word(path::LEAVES, at);
         Walk {
             origin: rows.vector(path::ORIGIN, at),
             dir: rows.vector(path::DIR, at),
@@ -268,7 +264,6 @@ impl Memory {
             cone: self.walk_cone(at),
             inside: self.slots[rows.word(path::SLOT, at) as usize].inside,
             sent: Sent { smooth: (pdf > 0.0).then_some((receiver, pdf)) },
-            leaves: (leaves != NO_TRIANGLE).then_some(leaves),
         }
     }
 
@@ -300,7 +295,6 @@ impl Memory {
         rows.set_float(path::ETA_SCALE, at, walk.eta_scale);
         rows.set_float(path::WIDTH, at, walk.cone.width);
         rows.set_float(path::SPREAD, at, walk.cone.spread);
-        rows.set_word(path::LEAVES, at, walk.leaves.unwrap_or(NO_TRIANGLE));
         if walk.inside != Inside::default() {
             flags |= path::INSIDE;
         }

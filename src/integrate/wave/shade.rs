@@ -270,11 +270,9 @@ impl Wave<'_> {
             && let Some(surface) = surface
             && let Some(samplers) = PathSamplers::<L>::new(kind, words[path::KEY], words[path::INDEX])
         {
-            let hits = &self.memory.hits;
             let lobes = fetch.lobes(l, active);
             let throughput = vector::<L>(&floats, path::THROUGHPUT);
-            let triangle = hits.load_words(l, hit::TRIANGLE, at);
-            let carried = Carried { throughput, slot: words[path::SLOT], triangle, samplers, lobes };
+            let carried = Carried { throughput, slot: words[path::SLOT], samplers, lobes };
             if self.course.prepared.lights.any(self.course.reach) {
                 self.sample_lights(l, depth, active, &surface, &carried);
             }
@@ -314,8 +312,6 @@ impl Wave<'_> {
             floats[path::PDF] = L::F::select(active, pdf, floats[path::PDF]);
             let spread = floats[path::SPREAD];
             floats[path::SPREAD] = L::F::select(active, spread + l.splat(OPENING) / pdf.sqrt(), spread);
-            let leaves = L::U::select(out.above, triangle, l.word(NO_TRIANGLE));
-            words[path::LEAVES] = L::U::select(active, leaves, words[path::LEAVES]);
             words[path::FLAGS] = L::U::select(active, l.word(0), words[path::FLAGS]);
             self.tile.tally.rays.bounce += on.count() as u64;
             goes_on = goes_on | on;

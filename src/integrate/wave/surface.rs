@@ -2,7 +2,7 @@
 
 use super::lanes::{FrameLanes, offset_point};
 use super::smooth::Corners;
-use crate::integrate::vertex::RoughVertex;
+use crate::integrate::vertex::{RoughVertex, SAME_PLANE};
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3};
 use crate::math::float_error::gamma;
 use crate::prepare::PreparedScene;
@@ -27,8 +27,6 @@ pub(super) struct Surface<L: Lanes> {
 pub(super) struct Outgoing<L: Lanes> {
     /// Where the rays begin.
     pub origin: V3<L::F>,
-    /// Whether they leave the triangle itself, and not a point above it.
-    pub above: L::M,
     /// Whether the direction is open at all.
     pub open: L::M,
 }
@@ -39,7 +37,7 @@ impl<L: Lanes> Surface<L> {
     pub fn outgoing(&self, wi: V3<L::F>) -> Outgoing<L> {
         let above = wi.dot(self.normal).gt(wi.x.fill(0.0));
         let offset = offset_point(self.point, self.error, self.normal, wi);
-        Outgoing { origin: V3::select(above, offset, self.point), above, open: above | self.lifted }
+        Outgoing { origin: V3::select(above, offset, self.point), open: above | self.lifted }
     }
 }
 
@@ -181,11 +179,11 @@ impl Fetch {
         let outward = self.triangle.vector(l, 9);
         let normal = V3::select(dir.dot(outward).lt(zero), outward, -outward);
         let extent = extent(c0.x, c1.x, c2.x).max(extent(c0.y, c1.y, c2.y)).max(extent(c0.z, c1.z, c2.z));
-        let neighbours = extent * gamma(15);
+        let plane = extent * gamma(SAME_PLANE);
         let rounding = (p0.abs() + p1.abs() + p2.abs()) * l.splat(gamma(7));
         Surface {
             point: p0 + p1 + p2,
-            error: rounding + V3::splat(neighbours),
+            error: rounding + V3::splat(plane),
             normal,
             lifted: l.mask(0),
             frame: FrameLanes { x: normal, y: normal, z: normal },

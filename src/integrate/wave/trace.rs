@@ -16,21 +16,15 @@ impl Wave<'_> {
             origin: paths.vectors(path::ORIGIN),
             dir: paths.vectors(path::DIR),
             t_max: &endless[..paths.len],
-            leaves: paths.words(path::LEAVES),
+            leaves: &[],
             reaches: &[],
         };
         let (coherence, eye) = if depth == 0 { (Coherence::Coherent, true) } else { (Coherence::Scattered, false) };
         if prepared.covers || (eye && prepared.culls) {
-            let (slot, leaves) = (paths.words(path::SLOT), paths.words(path::LEAVES));
+            let slot = paths.words(path::SLOT);
             prepared.tree.closest_batch_where(&rays, coherence, &mut found, |i, hit| {
                 let sampler = slots[slot[i] as usize].sampler;
-                let leaves = (leaves[i] != NO_TRIANGLE).then_some(leaves[i]);
-                stops(
-                    prepared,
-                    &Asker { sampler, vertex: depth, draw: 0, leaves, eye },
-                    hit,
-                    paths.vector(path::DIR, i),
-                )
+                stops(prepared, &Asker { sampler, vertex: depth, draw: 0, eye }, hit, paths.vector(path::DIR, i))
             });
         } else {
             prepared.tree.closest_batch(&rays, coherence, &mut found);
@@ -54,7 +48,7 @@ impl Wave<'_> {
             origin: shadows.vectors(shadow::ORIGIN),
             dir: shadows.vectors(shadow::DIR),
             t_max: shadows.floats(shadow::T_MAX),
-            leaves: shadows.words(shadow::LEAVES),
+            leaves: &[],
             reaches: shadows.words(shadow::REACHES),
         };
         let slot = shadows.words(shadow::SLOT);
@@ -64,7 +58,7 @@ impl Wave<'_> {
             let draw = shadows.words(shadow::DRAW);
             prepared.tree.occluded_batch_where(&rays, coherence, blocked, |i, hit| {
                 let sampler = slots[slot[i] as usize].sampler;
-                let asker = Asker { sampler, vertex: depth + 1, draw: draw[i], leaves: None, eye: false };
+                let asker = Asker { sampler, vertex: depth + 1, draw: draw[i], eye: false };
                 stops(prepared, &asker, hit, shadows.vector(shadow::DIR, i))
             });
         } else {
