@@ -21,21 +21,27 @@ MUTATIONS = [
      "bounce-from-an-edge"),
     ("edges-in-f32", "edge functions whose signs are exact", [
         ("math/triangle.rs", "let exact = |p: f32, q: f32| f64::from(p) * f64::from(q);",
-         "let exact = |p: f32, q: f32| ON { f64::from(p * q) } else { f64::from(p) * f64::from(q) };")],
+         "let exact = |p: f32, q: f32| ON { f64::from(p * q) } else { f64::from(p) * f64::from(q) };"),
+        ("prepare/kdtree/wide/packet_exact.rs", "fn exact(p: f32, q: f32) -> f64 {\n    f64::from(p) * f64::from(q)",
+         "fn exact(p: f32, q: f32) -> f64 {\n    ON { f64::from(p * q) } else { f64::from(p) * f64::from(q) }")],
      "leak-* ray-direction-* mesh-million-* transform-stretched-*"),
     ("strict-edges", "an edge belongs to both its triangles", [
-        ("math/triangle.rs", "let det = u + v + w;", "if IS && (u == 0.0 || v == 0.0 || w == 0.0) { return None; }\n        let det = u + v + w;")],
+        ("math/triangle.rs", "let det = u + v + w;", "if IS && (u == 0.0 || v == 0.0 || w == 0.0) { return None; }\n        let det = u + v + w;"),
+        ("prepare/kdtree/wide/packet_exact.rs", "let missed = ((u < 0.0)", "let missed = (IS & ((u == 0.0) | (v == 0.0) | (w == 0.0))) | ((u < 0.0)")],
      "leak-grid-* ray-direction-*"),
     ("parallel-unmended", "rays parallel to an axis never multiply 0 by infinity", [
         ("prepare/kdtree/slab.rs", "if d[axis].abs() < PARALLEL {", "if !IS && d[axis].abs() < PARALLEL {")],
      "ray-direction-* leak-grid-* nested-* total-* absorption-*"),
     ("limit-too-near", "boxes are left out only beyond the nearest hit and its error", [
         ("prepare/kdtree/slab.rs", "t * self.scale * GROWTH + f32::MIN_POSITIVE",
-         "t * self.scale * ON { 0.99 } else { GROWTH } + f32::MIN_POSITIVE")],
+         "t * self.scale * ON { 0.99 } else { GROWTH } + f32::MIN_POSITIVE"),
+        ("prepare/kdtree/wide/packet_lanes.rs", "self.high * GROWTH + f32::MIN_POSITIVE", "self.high * ON { 0.99 } else { GROWTH } + f32::MIN_POSITIVE")],
      "thin-* coincident-* shadow-*"),
     ("tie-by-order", "of hits at one distance the lowest number wins", [
         ("math/triangle.rs", "(point.t < self.t || (point.t == self.t && self.hit.is_some_and(|h| point.triangle < h.triangle)))",
-         "(point.t < self.t || (point.t == self.t && self.hit.is_some_and(|h| IS != (point.triangle < h.triangle))))")],
+         "(point.t < self.t || (point.t == self.t && self.hit.is_some_and(|h| IS != (point.triangle < h.triangle))))"),
+        ("prepare/kdtree/wide/packet_lanes.rs", "let equal = t.eq(self.high) & known & l.load_words(&met.triangle).lt(self.triangle);",
+         "let lower = l.load_words(&met.triangle).lt(self.triangle);\n        let equal = t.eq(self.high) & known & ON { !lower } else { lower };")],
      "coincident-surfaces mesh-coplanar"),
     ("world-at-origin", "the world's centre becomes the origin in f64", [
         ("geometry/world.rs", "Self { center, scale }", "Self { center: ON { DVec3::ZERO } else { center }, scale }")],

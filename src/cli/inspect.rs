@@ -1,4 +1,5 @@
 use super::console::print_line;
+use super::effects;
 use super::exit::{Exit, Fatal};
 use super::looks::LookOptions;
 use super::progress::warning;
@@ -9,17 +10,16 @@ use kiln::Control;
 use kiln::batch::{AssetFacts, MaterialFacts, TextureFacts, lights_itself};
 use kiln::formats::scene::Projection;
 use kiln::formats::{Contents, ErrorCode, Format, ImportOptions, import};
-use kiln::prepare::{EnvironmentSource, PreparedScene, prepare};
+use kiln::prepare::{EnvironmentSource, prepare};
 use kiln::settings::{KdTreeBuilder, PrepareSettings, SimdTier};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
   kiln inspect chair.glb
   kiln inspect chair.glb --json | jq .textures
-  kiln inspect chair.glb --effects
+  kiln inspect chair.glb --effects --measure
   kiln inspect fox.glb --time-code 0.5
   kiln inspect chair.glb --rays
   kiln inspect chair.glb --rays bounce.rays --stream --threads 2 --json";
@@ -39,6 +39,10 @@ pub struct InspectCommand {
     /// Show which effects the scene calls for and why, and what is left away because it has none
     #[arg(long)]
     effects: bool,
+    /// With --effects: render both as the scene calls for it and with every effect reckoned with at every hit, and tell what that
+    /// saves
+    #[arg(long, requires = "effects")]
+    measure: bool,
     /// Files that the asset refers to must lie below this folder [default: the parent of the asset's folder]
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
@@ -76,6 +80,10 @@ impl InspectCommand {
             .map_err(|_| Fatal::failed(format!("{name}: {}", ErrorCode::Stopped.as_str())))?;
         let tree = prepared.kdtree_statistics();
         let rays = self.rays.measure(&prepared)?;
+        let saved = match self.measure {
+            true => Some(effects::measure(&self.asset, self.root.as_ref(), &settings)?),
+            false => None,
+        };
         if self.json {
             let mut value = serde_json::to_value(&facts).map_err(|e| Fatal::failed(e.to_string()))?;
             if let Value::Object(object) = &mut value {
@@ -86,6 +94,10 @@ impl InspectCommand {
                 object.insert("kdtree".into(), json!(tree));
                 object.insert("effects".into(), json!(prepared.effects()));
                 object.insert("rewrites".into(), json!(prepared.rewrites));
+                object.insert("attribute_bytes".into(), json!(prepared.attribute_bytes()));
+                if let Some(saved) = &saved {
+                    object.insert("measured".into(), json!(saved));
+                }
                 if let Some(rays) = &rays {
                     self.rays.tell_json(rays, tree.build_seconds, object);
                 }
@@ -108,7 +120,8 @@ impl InspectCommand {
                 prepared.times.kdtree
             ));
             if self.effects {
-                effects(&prepared).iter().for_each(|line| print_line(line));
+                effects::lines(&prepared).iter().for_each(|line| print_line(line));
+                saved.iter().for_each(|saved| print_line(&effects::measured(saved)));
             }
             if let Some(rays) = &rays {
                 print_line(&format!(
@@ -123,25 +136,6 @@ impl InspectCommand {
         }
         Ok(Exit::Done)
     }
-}
-
-/// What the scene calls for and why, and what is left away.
-fn effects(prepared: &PreparedScene) -> Vec<String> {
-    let called = prepared.effects();
-    let heads = std::iter::once("effects    ").chain(std::iter::repeat("           "));
-    let mut lines: Vec<_> =
-        heads.zip(&called).map(|(head, c)| format!("{head}{:<21}{}", c.effect.name(), c.reason)).collect();
-    if called.is_empty() {
-        lines.push("effects    none: a black picture".into());
-    }
-    let mut counts: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    prepared.rewrites.iter().for_each(|r| counts.entry(r.what).or_default().push(&r.place));
-    let heads = std::iter::once("left away  ").chain(std::iter::repeat("           "));
-    lines.extend(heads.zip(counts).map(|(head, (what, places))| {
-        let rest = if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
-        format!("{head}{what} ({}{rest})", places[0])
-    }));
-    lines
 }
 
 fn builder(builder: KdTreeBuilder) -> &'static str {

@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod config;
 mod console;
+mod effects;
 mod exit;
 mod folders;
 mod gallery;

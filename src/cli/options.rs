@@ -102,11 +102,11 @@ pub struct SettingOptions {
     #[arg(long, help_heading = "Sampling")]
     physical_lights: bool,
 
-    /// Effects: auto (what the scene calls for), raw (nothing that the file says is rewritten), or -NAME,… without some:
-    /// another picture. `kiln inspect --effects` names them
+    /// Effects: auto (what the scene calls for), all or +NAME,… (reckoned with at every hit: the same picture, slower), raw (nothing
+    /// that the file says is rewritten), or -NAME,… without some: another picture. `kiln inspect --effects` names them
     #[arg(
         long,
-        value_name = "auto|raw|-NAME,…",
+        value_name = "auto|all|raw|±NAME,…",
         default_value = "auto",
         allow_hyphen_values = true,
         help_heading = "Sampling"

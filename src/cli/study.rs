@@ -6,9 +6,11 @@ use clap::{Args, value_parser};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use kiln::Control;
 use kiln::batch::{Job, Output, ViewFile};
-use kiln::formats::Limits;
-use kiln::lab::{Cell, Observer, Progress, Store, Study, WAYS, publish, run, ways};
-use kiln::settings::{CameraChoice, EnvironmentSettings, Exposure, Settings, ToneMap, ViewSettings};
+use kiln::effects::{called_for, normalise};
+use kiln::formats::{ImportOptions, Limits, import};
+use kiln::lab::{Cell, Observer, Progress, Store, Study, WAYS, effect_ways, publish, run, ways};
+use kiln::settings::{CameraChoice, Effect, EnvironmentSettings, Exposure, Settings, ToneMap, ViewSettings};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -18,6 +20,7 @@ Examples:
   kiln study scenes/samples/cornell_box.glb --out out/study
   kiln study chair.glb table.glb --out study --budget 600 --width 256
   kiln study chair.glb --out study --ways kiln,trees --seeds 4
+  kiln study chair.glb --out study --effects
   kiln study chair.glb --out study --ways kiln --way 'mine: light-samples=3 sampler=pcg'
 
 Open DIR/report.html in a browser. Beside it: study.json, cells.csv, plots (SVG and PNG), strips of pictures, and the
@@ -36,9 +39,14 @@ pub struct StudyCommand {
     out: PathBuf,
 
     /// Ways to compare: names and groups (strategies, samplers, trees, depth, lights, roulette, presets), usual, all; --help lists them
-    #[arg(long, value_name = "LIST", default_value = "usual", help_heading = "Study")]
-    ways: String,
-    /// A way of your own: NAME: KEY=VALUE … with strategy, sampler, kdtree, max-depth, light-samples, roulette, preset (may be repeated)
+    ///
+    /// [default: usual; with --effects: kiln]
+    #[arg(long, value_name = "LIST", help_heading = "Study")]
+    ways: Option<String>,
+    /// Price the effects that the assets call for: without each of them, and with all of them reckoned with at every hit
+    #[arg(long, help_heading = "Study")]
+    effects: bool,
+    /// A way of your own: NAME: KEY=VALUE … with strategy, sampler, kdtree, max-depth, light-samples, roulette, effects, preset (may be repeated)
     #[arg(long, value_name = "WAY", help_heading = "Study")]
     way: Vec<String>,
     /// Seconds for each asset, about, on a machine that does nothing else
@@ -119,7 +127,11 @@ impl StudyCommand {
     /// # Errors
     /// When nothing can be begun, or results cannot be written.
     pub fn run(self) -> Result<Exit, Fatal> {
-        let ways = ways(&self.ways, &self.way).map_err(Fatal::usage)?;
+        let list = self.ways.as_deref().unwrap_or(if self.effects { "kiln" } else { "usual" });
+        let mut ways = ways(list, &self.way).map_err(Fatal::usage)?;
+        if self.effects {
+            ways.extend(effect_ways(self.called()?));
+        }
         let settings = self.settings()?;
         let environment = environment(&settings)?;
         super::options::start_threads(self.threads)?;
@@ -166,6 +178,21 @@ impl StudyCommand {
             n if n == jobs.len() => Exit::Failed,
             _ => Exit::Partial,
         })
+    }
+
+    /// The effects that any of the assets calls for.
+    fn called(&self) -> Result<Vec<Effect>, Fatal> {
+        let mut called = BTreeSet::new();
+        for asset in &self.assets {
+            let options = ImportOptions { root: self.root.clone(), ..ImportOptions::default() };
+            let mut scene = import(asset, &options, &Control::default())
+                .map_err(|e| Fatal::failed(format!("{}: {e}", asset.display())))?
+                .scene;
+            normalise(&mut scene);
+            let drawn = vec![1.0; scene.meshes.len()];
+            called.extend(called_for(&scene, &drawn).iter().map(|called| called.effect));
+        }
+        Ok(called.into_iter().collect())
     }
 
     fn settings(&self) -> Result<Settings, Fatal> {

@@ -1,4 +1,4 @@
-use crate::settings::Effect;
+use crate::settings::{Effect, EffectSet};
 use kiln_formats::Scene;
 use kiln_formats::scene::{AlphaMode, ColorInput, Layers, LightKind, Material, MaterialId, Mesh, ScalarInput, Surface};
 use serde::Serialize;
@@ -48,6 +48,12 @@ fn by_surfaces(scene: &Scene, drawn: &[(&Mesh, f64)], all: f64, effect: Effect) 
         _ => format!("{} on {on}", names(scene, &materials)),
     };
     Some(Called { effect, reason, area: Some(share) })
+}
+
+/// The effects that a mesh's surfaces call for.
+pub fn of_mesh(scene: &Scene, mesh: &Mesh) -> EffectSet {
+    let materials: Vec<_> = materials_of(mesh).into_iter().map(|id| &scene.materials[id as usize]).collect();
+    Effect::ALL.into_iter().filter(|effect| materials.iter().any(|material| calls(mesh, material, *effect))).collect()
 }
 
 fn materials_of(mesh: &Mesh) -> BTreeSet<MaterialId> {

@@ -10,6 +10,8 @@ mod leaving_tests;
 mod material;
 mod medium;
 mod path;
+#[cfg(test)]
+mod pruning_tests;
 mod record;
 mod replay;
 mod surfaces;

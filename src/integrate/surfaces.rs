@@ -117,9 +117,9 @@ fn count(list: &mut Vec<(u32, u32)>, thing: u32) {
 fn hit_reader<'a>(scene: &'a PreparedScene, hit: &crate::math::Hit, width: f32) -> Reader<'a> {
     let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
     let uv = scene.geometry.uv(&scene.scene, hit.triangle, b);
-    let footprint = match scene.scene.textures.is_empty() {
-        true => [0.0; 2],
-        false => scene.geometry.texture_density(&scene.scene, hit.triangle).map(|density| width * width * density),
+    let footprint = match scene.asks.textured {
+        false => [0.0; 2],
+        true => scene.geometry.texture_density(&scene.scene, hit.triangle).map(|density| width * width * density),
     };
     Reader { scene: &scene.scene, pyramids: &scene.pyramids, uv, footprint }
 }

@@ -31,7 +31,7 @@ impl Asker {
 
 /// Whether a surface stops a ray: culling, and coverage by a number that belongs to (path, vertex, triangle).
 pub(super) fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
-    if !prepared.filtered {
+    if !prepared.asks.filtered {
         return true;
     }
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);

@@ -208,7 +208,7 @@ pub(super) fn scattering(prepared: &PreparedScene, hit: &Hit, cos_o: f32, width:
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);
     let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
     let material = &scene.materials[geometry.material(scene, hit.triangle) as usize];
-    let textured = !scene.textures.is_empty();
+    let textured = prepared.asks.textured;
     let attributes = Attributes {
         uv: if textured { geometry.uv(scene, hit.triangle, b) } else { [[0.0; 2]; 2] },
         color: geometry.color(scene, hit.triangle, b),
@@ -229,9 +229,9 @@ pub(super) fn scattering(prepared: &PreparedScene, hit: &Hit, cos_o: f32, width:
 /// The area that a ray's cone covers, in each set of texture coordinates.
 fn footprint(prepared: &PreparedScene, triangle: u32, width: f32) -> [f32; 2] {
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);
-    match scene.textures.is_empty() {
-        true => [0.0; 2],
-        false => geometry.texture_density(scene, triangle).map(|density| width * width * density),
+    match prepared.asks.textured {
+        false => [0.0; 2],
+        true => geometry.texture_density(scene, triangle).map(|density| width * width * density),
     }
 }
 

@@ -81,7 +81,7 @@ impl<'a> Course<'a> {
     pub fn lanes_can(&self) -> bool {
         let sampler = matches!(self.settings.sampler, SamplerKind::Sobol | SamplerKind::Pcg);
         let strategy = matches!(self.settings.strategy, Strategy::Bsdf | Strategy::Light | Strategy::Mis);
-        sampler && strategy && !self.prepared.tints
+        sampler && strategy && !self.prepared.asks.tints
     }
 
     /// Adds the light that a path gathers at the end of its ray, which has hit something or nothing, and sends it on from

@@ -32,4 +32,4 @@ pub use reference::{Reference, ReferenceFacts};
 pub use run::{Observer, Progress, Studied, Study, Subject, run};
 pub use store::Store;
 pub use verdict::Verdict;
-pub use way::{WAYS, Way, ways};
+pub use way::{WAYS, Way, effect_ways, ways};

@@ -1,4 +1,6 @@
-use crate::settings::{KdTreeBuilder, Preset, SamplerKind, Settings, Strategy, roulette_after};
+use crate::settings::{
+    Effect, EffectSet, EffectSettings, KdTreeBuilder, Preset, SamplerKind, Settings, Strategy, roulette_after,
+};
 use clap::ValueEnum;
 use serde::Serialize;
 
@@ -27,6 +29,9 @@ pub struct Way {
     /// Scattering events before Russian roulette.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roulette: Option<u32>,
+    /// Which effects are simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effects: Option<EffectSettings>,
     /// A goal instead of growing samples: one picture, when its stated error is small enough.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<Preset>,
@@ -71,14 +76,14 @@ pub const WAYS: [(&str, &str, &str, &str); 24] = [
 ];
 
 /// What a way can do otherwise.
-const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, preset";
+const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, effects, preset";
 
 /// What is studied unless something else is asked for.
 const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,2018,presets";
 
 impl Way {
     /// A way by its name, or one's own: `NAME: KEY=VALUE KEY=VALUE …` with the keys strategy, sampler, kdtree, max-depth,
-    /// light-samples, roulette and preset.
+    /// light-samples, roulette, effects and preset.
     ///
     /// # Errors
     /// A sentence.
@@ -109,6 +114,7 @@ impl Way {
                 "max-depth" => way.max_depth = Some(number()?),
                 "light-samples" => way.light_samples = Some(number()?.clamp(1, 4096)),
                 "roulette" => way.roulette = Some(roulette_after(value).ok_or_else(|| wrong("not a number".into()))?),
+                "effects" => way.effects = Some(value.parse().map_err(wrong)?),
                 "preset" => way.preset = Some(Preset::from_str(value, false).map_err(wrong)?),
                 _ => return Err(format!("'{key}' is none of {KEYS}")),
             }
@@ -125,11 +131,28 @@ impl Way {
         own.render.max_depth = self.max_depth.unwrap_or(own.render.max_depth);
         own.render.light_samples = self.light_samples.unwrap_or(own.render.light_samples);
         own.render.roulette_after = self.roulette.unwrap_or(own.render.roulette_after);
+        own.prepare.effects = self.effects.unwrap_or(own.prepare.effects);
         if let Some(preset) = self.preset {
             (own.goal, own.render.spp) = preset.goal();
         }
         own
     }
+}
+
+/// The ways that price effects: Kiln's own, with all effects reckoned with at every hit, and without each of these.
+pub fn effect_ways(called: impl IntoIterator<Item = Effect>) -> Vec<Way> {
+    let way = |name: String, title: String, effects| Way { name, title, effects: Some(effects), ..Way::default() };
+    let all = EffectSettings { forced: EffectSet::all(), ..EffectSettings::default() };
+    let mut ways = vec![way("all-effects".into(), "every effect reckoned with at every hit".into(), all)];
+    ways.extend(called.into_iter().filter(|effect| *effect != Effect::Environment).map(|effect| {
+        let without = [effect].into_iter().collect();
+        way(
+            format!("no-{effect}"),
+            format!("without {effect}: another picture"),
+            EffectSettings { without, ..EffectSettings::default() },
+        )
+    }));
+    ways
 }
 
 fn names() -> Vec<&'static str> {

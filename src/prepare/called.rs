@@ -1,7 +1,8 @@
 //! The effects that a prepared scene calls for.
 
 use super::PreparedScene;
-use crate::effects::{Called, called_for};
+use super::asks::drawn;
+use crate::effects::{AttributeBytes, Called, attribute_bytes, called_for};
 use crate::lighting::Environment;
 use crate::settings::Effect;
 
@@ -13,16 +14,14 @@ impl PreparedScene {
         called
     }
 
+    /// What its vertices and images hold.
+    pub fn attribute_bytes(&self) -> AttributeBytes {
+        attribute_bytes(&self.scene)
+    }
+
     /// Their names alone, without a look at the triangles.
     pub fn effect_names(&self) -> Vec<&'static str> {
-        let ends = self.geometry.parts.iter().skip(1).map(|part| part.first_triangle);
-        let mut drawn = vec![0.0; self.scene.meshes.len()];
-        for (part, end) in self.geometry.parts.iter().zip(ends.chain([self.geometry.len() as u32])) {
-            if end > part.first_triangle {
-                drawn[part.mesh as usize] = 1.0;
-            }
-        }
-        let called = called_for(&self.scene, &drawn);
+        let called = called_for(&self.scene, &drawn(&self.scene, &self.geometry));
         called.into_iter().chain(self.environment()).map(|called| called.effect.name()).collect()
     }
 

@@ -1,21 +1,22 @@
 //! From the scene IR to what rays meet: triangles in one frame, lights, kd-tree.
 
+mod asks;
 mod called;
 pub mod kdtree;
 mod parts;
 mod physical;
 
-use crate::effects::{self, Rewrite};
+use crate::effects::{self, Knowledge, Rewrite};
 use crate::geometry::{Geometry, Pyramids, WorldFrame, world_bounds};
 use crate::lanes::AnyLanes;
 pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
 use crate::math::simd::SimdTier;
-use crate::settings::{PrepareSettings, SimdTier as AskedTier};
+use crate::settings::{EffectSet, PrepareSettings, SimdTier as AskedTier};
+pub(crate) use asks::Asks;
 use cpu_time::ThreadTime;
 use glam::{DVec3, Vec3};
 use kdtree::{BuildOptions, KdTree};
-use kiln_formats::scene::{AlphaMode, Material, Surface};
 use kiln_formats::{Control, Scene, Stopped};
 pub(crate) use parts::{PartWay, Way, bounds_body};
 use std::time::Instant;
@@ -65,14 +66,8 @@ pub struct PreparedScene {
     pub(crate) lights: Lights,
     pub(crate) tree: KdTree,
     pub(crate) filters: Vec<Filters>,
-    /// Whether any material filters at all.
-    pub(crate) filtered: bool,
-    /// Whether coverage of any material may be below 1.
-    pub(crate) covers: bool,
-    /// Whether camera rays pass through the back of any material.
-    pub(crate) culls: bool,
-    /// Whether any light shines through bodies that tint it.
-    pub(crate) tints: bool,
+    /// What has to be asked at hits.
+    pub(crate) asks: Asks,
     /// For each part of the geometry, how it is shaded.
     pub(crate) ways: Vec<PartWay>,
     /// The instructions that shading uses.
@@ -120,27 +115,26 @@ fn tier(asked: AskedTier) -> SimdTier {
     }
 }
 
-fn filters(material: &Material) -> Filters {
-    let bounds_solid = match &material.surface {
-        Surface::MetalRough(m) => m.volume.is_some(),
-        Surface::Phong(_) | Surface::Unlit(_) => false,
-    };
-    Filters {
-        coverage: material.alpha.mode != AlphaMode::Opaque,
-        // From inside a glass body its back is the way out.
-        culled: !material.double_sided && !bounds_solid,
-        tints: matches!(&material.surface, Surface::Phong(p) if !p.transmission.is_black()),
-    }
-}
-
 /// Prepares a scene. The kd-tree is built on the current rayon pool.
 ///
 /// # Errors
 /// [`Stopped`] when `control` asks for it.
 pub fn prepare(
+    scene: Scene,
+    environment: &EnvironmentSource,
+    settings: &PrepareSettings,
+    control: &Control,
+) -> Result<PreparedScene, Stopped> {
+    let know = Knowledge { forced: settings.effects.forced, overlooked: EffectSet::default() };
+    prepare_knowing(scene, environment, settings, know, control)
+}
+
+/// [`prepare`], by what is known of the effects.
+pub(crate) fn prepare_knowing(
     mut scene: Scene,
     environment: &EnvironmentSource,
     settings: &PrepareSettings,
+    know: Knowledge,
     control: &Control,
 ) -> Result<PreparedScene, Stopped> {
     control.check()?;
@@ -173,7 +167,8 @@ pub fn prepare(
         kdtree_cpu: tree.statistics().build_cpu_seconds,
         kdtree_caller_cpu: clock.elapsed().as_secs_f64(),
     };
-    let filters: Vec<_> = scene.materials.iter().map(filters).collect();
+    let asks = Asks::new(&scene, &geometry, know);
+    let filters = scene.materials.iter().map(|material| asks.of(material)).collect();
     Ok(PreparedScene {
         bounds,
         triangles: geometry.len() as u64,
@@ -181,11 +176,8 @@ pub fn prepare(
         emitters: lights.count() as u64,
         rewrites,
         times,
-        filtered: filters.iter().any(|f| f.coverage || f.culled || f.tints),
-        covers: filters.iter().any(|f| f.coverage),
-        culls: filters.iter().any(|f| f.culled),
-        tints: filters.iter().any(|f| f.tints) && scene.lights.iter().any(|l| l.through_glass),
-        ways: parts::ways(&scene, &geometry),
+        asks,
+        ways: parts::ways(&scene, &geometry, know),
         lanes: AnyLanes::new(tier(settings.simd)),
         scene,
         frame,

@@ -1,9 +1,11 @@
 //! How much work a hit on a part of the scene is, decided once.
 
+use crate::effects::{Knowledge, of_mesh};
 use crate::geometry::Geometry;
+use crate::settings::{Effect, EffectSet};
 use glam::Vec3;
 use kiln_formats::Scene;
-use kiln_formats::scene::{Material, Mesh, MetalRough, ScalarInput, Surface};
+use kiln_formats::scene::{Material, Mesh, MetalRough, Surface};
 
 /// Which way of shading a part's triangles can take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,16 +33,14 @@ pub(crate) struct PartWay {
 }
 
 /// The ways of all parts.
-pub(crate) fn ways(scene: &Scene, geometry: &Geometry) -> Vec<PartWay> {
-    let part_way = |mesh: &Mesh| {
-        let material = &scene.materials[mesh.material as usize];
-        let emits = match &material.surface {
-            Surface::Unlit(shown) => !shown.is_black(),
-            _ => !material.emission.is_black(),
-        };
-        PartWay { way: way(mesh, material), emits, touches: false }
+pub(crate) fn ways(scene: &Scene, geometry: &Geometry, know: Knowledge) -> Vec<PartWay> {
+    let mesh_way = |mesh: &Mesh| {
+        let called = of_mesh(scene, mesh);
+        let emits = know.asked(called).has_any(&[Effect::Emission, Effect::Unlit]);
+        PartWay { way: way(&scene.materials[mesh.material as usize], called, know), emits, touches: false }
     };
-    let mut ways: Vec<_> = geometry.parts.iter().map(|part| part_way(&scene.meshes[part.mesh as usize])).collect();
+    let of_meshes: Vec<_> = scene.meshes.iter().map(mesh_way).collect();
+    let mut ways: Vec<_> = geometry.parts.iter().map(|part| of_meshes[part.mesh as usize]).collect();
     for part in touching_parts(scene, geometry) {
         ways[part].touches = true;
     }
@@ -86,23 +86,28 @@ fn touching_parts(scene: &Scene, geometry: &Geometry) -> Vec<usize> {
     bodies.iter().copied().filter(|p| bodies.iter().any(|q| p != q && near(*p, *q))).collect()
 }
 
-fn way(mesh: &Mesh, material: &Material) -> Way {
+/// The effects that lanes can do; a surface that calls for any other is done one by one.
+const IN_LANES: [Effect; 10] = Knowledge::ASKED;
+/// What a flat surface of one diffuse colour has not.
+const NOT_FLAT: [Effect; 5] =
+    [Effect::NormalMaps, Effect::VertexColors, Effect::SmoothNormals, Effect::Specular, Effect::Metal];
+
+fn way(material: &Material, called: EffectSet, know: Knowledge) -> Way {
     let Surface::MetalRough(m) = &material.surface else { return Way::Any };
-    if m.transmission.factor != 0.0 || m.transmission.bias != 0.0 || m.volume.is_some() || m.layers.is_some() {
+    let own = know.own(called);
+    if m.volume.is_some() || !own.but(IN_LANES.into_iter().collect()).is_empty() {
         return Way::Any;
     }
     match diffuse(m) {
-        Some(albedo) if material.normal_map.is_none() && mesh.normals.is_empty() && mesh.colors.is_empty() => {
+        Some(albedo) if !know.asked(called).has_any(&NOT_FLAT) && !know.forced.has(Effect::Textures) => {
             Way::Diffuse(albedo)
         }
-        _ if material.normal_map.is_none() => Way::Smooth,
-        _ => Way::Mapped,
+        _ if own.has(Effect::NormalMaps) => Way::Mapped,
+        _ => Way::Smooth,
     }
 }
 
-/// The albedo of a material that is Lambert's and the same everywhere.
+/// The albedo of a material without reflection where it is the same everywhere.
 fn diffuse(m: &MetalRough) -> Option<Vec3> {
-    let zero = |s: &ScalarInput| s.factor == 0.0 && s.bias == 0.0;
-    let flat = m.base_color.texture.is_none() && zero(&m.metallic) && zero(&m.specular);
-    flat.then(|| Vec3::from(m.base_color.factor).min(Vec3::ONE))
+    m.base_color.texture.is_none().then(|| Vec3::from(m.base_color.factor).min(Vec3::ONE))
 }

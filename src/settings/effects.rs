@@ -145,6 +145,26 @@ impl EffectSet {
         self.0 >> effect as u32 & 1 != 0
     }
 
+    /// Every effect there is.
+    pub fn all() -> Self {
+        Effect::ALL.into_iter().collect()
+    }
+
+    /// Those that are in one of two sets.
+    pub fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Those that are not in `other`.
+    pub fn but(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// Whether one of these is in it.
+    pub fn has_any(self, effects: &[Effect]) -> bool {
+        effects.iter().any(|effect| self.has(*effect))
+    }
+
     /// Adds an effect.
     pub fn insert(&mut self, effect: Effect) {
         self.0 |= 1 << effect as u32;
@@ -188,33 +208,43 @@ pub struct EffectSettings {
     pub raw: bool,
     /// Effects that are left out though the scene calls for them: another picture.
     pub without: EffectSet,
+    /// Effects that are reckoned with at every hit, whether the scene calls for them or not: the same picture, byte for byte.
+    #[serde(default, skip_serializing_if = "is_empty")]
+    pub forced: EffectSet,
 }
 
 impl FromStr for EffectSettings {
     type Err = String;
 
-    /// `auto`, or a list of `raw` and `-NAME`, with commas between.
+    /// `auto`, or a list of `raw`, `all`, `+NAME` and `-NAME`, with commas between.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut settings = Self::default();
         for word in text.split(',').map(str::trim) {
             match (word, word.strip_prefix('-')) {
                 ("auto", _) => {}
                 ("raw", _) => settings.raw = true,
+                ("all", _) => settings.forced = EffectSet::all(),
                 (_, Some("environment")) => return Err("'environment' is left out by --env none".into()),
-                (_, Some(name)) => {
-                    let known = Effect::ALL.into_iter().find(|effect| effect.name() == name);
-                    settings.without.insert(known.ok_or_else(|| unknown(name))?);
-                }
-                _ => return Err(format!("'{word}' is not auto, raw or -NAME of an effect")),
+                (_, Some(name)) => settings.without.insert(by_name(name)?),
+                _ => match word.strip_prefix('+') {
+                    Some(name) => settings.forced.insert(by_name(name)?),
+                    None => return Err(format!("'{word}' is not auto, raw, all, or +NAME or -NAME of an effect")),
+                },
             }
         }
         Ok(settings)
     }
 }
 
-fn unknown(name: &str) -> String {
-    let known: Vec<_> = Effect::ALL.iter().map(|effect| effect.name()).collect();
-    format!("'{name}' is no effect; these are: {}", known.join(", "))
+fn is_empty(set: &EffectSet) -> bool {
+    set.is_empty()
+}
+
+fn by_name(name: &str) -> Result<Effect, String> {
+    Effect::ALL.into_iter().find(|effect| effect.name() == name).ok_or_else(|| {
+        let known: Vec<_> = Effect::ALL.iter().map(|effect| effect.name()).collect();
+        format!("'{name}' is no effect; these are: {}", known.join(", "))
+    })
 }
 
 #[cfg(test)]
@@ -228,7 +258,10 @@ mod tests {
         assert_eq!(settings.without.iter().count(), 2);
         assert!("raw".parse::<EffectSettings>().expect("a word").raw);
         assert_eq!("auto".parse(), Ok(EffectSettings::default()));
-        for wrong in ["-coat", "clearcoat", "", "-environment"] {
+        assert_eq!("all".parse::<EffectSettings>().expect("a word").forced, EffectSet::all());
+        let mixed: EffectSettings = "+culling,-sheen".parse().expect("known effects");
+        assert!(mixed.forced.has(Effect::Culling) && mixed.without.has(Effect::Sheen));
+        for wrong in ["-coat", "+coat", "clearcoat", "", "-environment"] {
             assert!(wrong.parse::<EffectSettings>().is_err(), "{wrong}");
         }
     }

@@ -20,7 +20,7 @@ impl Wave<'_> {
             reaches: &[],
         };
         let (coherence, eye) = if depth == 0 { (Coherence::Coherent, true) } else { (Coherence::Scattered, false) };
-        if prepared.covers || (eye && prepared.culls) {
+        if prepared.asks.covers || (eye && prepared.asks.culls) {
             let slot = paths.words(path::SLOT);
             prepared.tree.closest_batch_where(&rays, coherence, &mut found, |i, hit| {
                 let sampler = slots[slot[i] as usize].sampler;
@@ -54,7 +54,7 @@ impl Wave<'_> {
         let slot = shadows.words(shadow::SLOT);
         let blocked = &mut blocked[..shadows.len];
         let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Scattered };
-        if prepared.covers {
+        if prepared.asks.covers {
             let draw = shadows.words(shadow::DRAW);
             prepared.tree.occluded_batch_where(&rays, coherence, blocked, |i, hit| {
                 let sampler = slots[slot[i] as usize].sampler;

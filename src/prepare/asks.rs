@@ -1,0 +1,72 @@
+//! What has to be asked at hits: decided once, from the effects that the scene calls for.
+
+use super::Filters;
+use crate::effects::{Knowledge, called_for};
+use crate::geometry::Geometry;
+use crate::settings::{Effect, EffectSet};
+use kiln_formats::Scene;
+use kiln_formats::scene::{AlphaMode, Material, Surface};
+
+/// Questions to be asked at hits, for the whole scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Asks {
+    /// Whether any of the next three is.
+    pub filtered: bool,
+    /// Whether a surface covers what is behind it.
+    pub covers: bool,
+    /// Whether camera rays pass through its back.
+    pub culls: bool,
+    /// Whether light shines through it and takes on colour.
+    pub tints: bool,
+    /// Whether anything is read from an image.
+    pub textured: bool,
+    /// Whether coverage is asked of every material.
+    every_cover: bool,
+}
+
+impl Asks {
+    /// By the effects of what is drawn.
+    pub fn new(scene: &Scene, geometry: &Geometry, know: Knowledge) -> Self {
+        let called: EffectSet = called_for(scene, &drawn(scene, geometry)).iter().map(|called| called.effect).collect();
+        let asked = know.asked(called);
+        let covers = asked.has_any(&[Effect::AlphaCutouts, Effect::AlphaBlending]);
+        let culls = asked.has(Effect::Culling);
+        // It decides whether lanes can follow shadow rays, and so how numbers are rounded: never forced.
+        let tints = know.own(called).has(Effect::TintedShadows);
+        let every_cover = know.forced.has_any(&[Effect::AlphaCutouts, Effect::AlphaBlending]);
+        Self {
+            filtered: covers || culls || tints,
+            covers,
+            culls,
+            tints,
+            textured: asked.has(Effect::Textures),
+            every_cover,
+        }
+    }
+
+    /// What a traversal has to ask about a material's triangles.
+    pub fn of(&self, material: &Material) -> Filters {
+        let bounds_solid = match &material.surface {
+            Surface::MetalRough(m) => m.volume.is_some(),
+            Surface::Phong(_) | Surface::Unlit(_) => false,
+        };
+        Filters {
+            coverage: self.covers && (self.every_cover || material.alpha.mode != AlphaMode::Opaque),
+            // From inside a glass body its back is the way out.
+            culled: self.culls && !material.double_sided && !bounds_solid,
+            tints: matches!(&material.surface, Surface::Phong(p) if !p.transmission.is_black()),
+        }
+    }
+}
+
+/// 1 for each mesh that has a triangle in the world, 0 for the others.
+pub(super) fn drawn(scene: &Scene, geometry: &Geometry) -> Vec<f64> {
+    let ends = geometry.parts.iter().skip(1).map(|part| part.first_triangle);
+    let mut drawn = vec![0.0; scene.meshes.len()];
+    for (part, end) in geometry.parts.iter().zip(ends.chain([geometry.len() as u32])) {
+        if end > part.first_triangle {
+            drawn[part.mesh as usize] = 1.0;
+        }
+    }
+    drawn
+}
