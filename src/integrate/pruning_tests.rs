@@ -2,8 +2,7 @@
 //! it changes the picture.
 
 use super::{View, render};
-use crate::effects::Knowledge;
-use crate::prepare::{EnvironmentSource, prepare_knowing};
+use crate::prepare::{EnvironmentSource, Knowledge, prepare_knowing};
 use crate::settings::{Effect, EffectSet, PrepareSettings, RenderSettings};
 use glam::{DAffine3, DVec3};
 use kiln_formats::scene::*;

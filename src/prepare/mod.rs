@@ -6,7 +6,8 @@ pub mod kdtree;
 mod parts;
 mod physical;
 
-use crate::effects::{self, Knowledge, Rewrite};
+pub(crate) use crate::effects::Knowledge;
+use crate::effects::{self, Rewrite};
 use crate::geometry::{Geometry, Pyramids, WorldFrame, world_bounds};
 use crate::lanes::AnyLanes;
 pub use crate::lighting::EnvironmentSource;
