@@ -82,6 +82,18 @@ pub enum KdTreeBuilder {
     Sah,
 }
 
+/// Which pixels get more samples than others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum Adaptive {
+    /// All get the same.
+    Off,
+    /// From the sixteenth sample on, those with more noise around them.
+    #[default]
+    Variance,
+}
+
 /// The instruction set of the hot loops. Every tier gives the same pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -123,6 +135,8 @@ pub struct PrepareSettings {
 pub struct RenderSettings {
     /// Camera paths per pixel; with a [`Goal`], at most.
     pub spp: u32,
+    /// Whether [`Self::spp`] is an average, and noise decides which pixels get more.
+    pub adaptive: Adaptive,
     /// Selects the random numbers.
     pub seed: u64,
     /// Scattering events per path at most.
@@ -146,6 +160,7 @@ impl Default for RenderSettings {
     fn default() -> Self {
         Self {
             spp: 64,
+            adaptive: Adaptive::default(),
             seed: 0,
             max_depth: 16,
             integrator: Integrator::default(),

@@ -78,7 +78,7 @@ fn shoot(shared: &Path, name: &str, spp: u32) -> Rendered {
 /// Our mean and variance of the mean, of every pixel and channel.
 fn estimates(rendered: &Rendered) -> Vec<[(f64, f64); 3]> {
     let pixel = |p: &kiln::film::PixelSums| {
-        let (mean, variance) = (p.mean(rendered.spp), p.variance(rendered.spp));
+        let (mean, variance) = (p.mean(), p.variance());
         std::array::from_fn(|c| (mean[c], variance[c]))
     };
     rendered.film.pixels.iter().map(pixel).collect()

@@ -40,7 +40,7 @@ struct Seed {
 }
 
 fn means(film: &Film) -> Vec<[f64; 4]> {
-    film.pixels.iter().map(|p| p.mean(film.spp)).collect()
+    film.pixels.iter().map(|p| p.mean()).collect()
 }
 
 fn render(scene: &PreparedScene, view: &View, seed: u64, most: u32, display: Display) -> Result<Option<Seed>, Stopped> {

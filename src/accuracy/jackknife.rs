@@ -14,8 +14,9 @@ pub(super) struct LeaveOneOut {
 }
 
 impl LeaveOneOut {
-    /// Of a pixel with `spp` ≥ 2 samples.
-    pub fn of(pixel: &PixelSums, spp: u32) -> Self {
+    /// Of a pixel with two samples or more.
+    pub fn of(pixel: &PixelSums) -> Self {
+        let spp = pixel.samples();
         let sums = pixel.replicate_sums();
         let total: [f64; 4] = std::array::from_fn(|c| sums.iter().map(|s| s[c]).sum());
         let n = f64::from(spp);
@@ -31,6 +32,11 @@ impl LeaveOneOut {
         }
         result.count = filled as usize;
         result
+    }
+
+    /// The pixel without its first replicate, and without its second one.
+    pub fn first_two(&self) -> [[f64; 4]; 2] {
+        [self.without[0], self.without[1]]
     }
 
     /// Σ weight · `square`(picture without a replicate): the estimate of the expected square of (picture − converged) where

@@ -8,6 +8,7 @@
 //! tone curve is applied to the picture without one replicate after the other ([`displayed`]), which accounts for curve
 //! and clipping at the noise that the picture really has. [`Spread`] says how far such an estimate can be off.
 
+mod allotment;
 mod bound;
 mod displayed;
 mod jackknife;
@@ -17,6 +18,7 @@ mod relmse;
 mod schedule;
 mod surroundings;
 
+pub use allotment::Allotment;
 pub use bound::Spread;
 pub use displayed::Display;
 pub use progressive::{Ended, Finished, Progressive};

@@ -52,7 +52,7 @@ fn band_spreads(film: &Film, display: &Display, rows: std::ops::Range<usize>) ->
 /// What is known of a pixel.
 fn facts(film: &Film, display: &Display, pixel: usize) -> Sums {
     let pixel = &film.pixels[pixel];
-    let parts = LeaveOneOut::of(pixel, film.spp);
+    let parts = LeaveOneOut::of(pixel);
     let mean = parts.mean;
     if !(mean[3] > 0.0) {
         return Sums::default();
@@ -63,7 +63,7 @@ fn facts(film: &Film, display: &Display, pixel: usize) -> Sums {
         own: [displayed::square_error(&parts, display, film.opaque), relmse::square_error(&parts)],
         mean,
         squares: [0, 1, 2].map(|c| mean[c] * mean[c]),
-        noise: pixel.variance(film.spp).iter().sum(),
+        noise: pixel.variance().iter().sum(),
         levels,
         level_squares: levels.iter().map(|l| l * l).sum(),
     }
@@ -102,7 +102,7 @@ mod tests {
         let settings = PictureSettings { tonemap: ToneMap::None, ..PictureSettings::default() };
         let display = Display::new(&settings, 0.0);
         let error = |pixel: u32| {
-            let shown = display.levels(seen(film.pixels[pixel as usize].mean(SPP), false))[0];
+            let shown = display.levels(seen(film.pixels[pixel as usize].mean(), false))[0];
             let [r, _, _] = display.levels([truth(pixel), truth(pixel), truth(pixel), 1.0]);
             (shown - r) * (shown - r)
         };

@@ -1,6 +1,6 @@
-use super::{Accuracy, Display, Schedule, Spreads};
+use super::{Accuracy, Allotment, Display, Schedule, Spreads};
 use crate::film::Film;
-use crate::integrate::{PassTally, View, render_pass};
+use crate::integrate::{PassTally, View, render_until};
 use crate::prepare::PreparedScene;
 use crate::sampling::REPLICATES;
 use crate::settings::{Goal, RenderSettings};
@@ -29,6 +29,7 @@ pub struct Progressive<'a> {
     goal: &'a Goal,
     display: Display,
     schedule: Schedule,
+    allotment: Allotment,
     film: Film,
     tally: PassTally,
     /// Times that the error was judged.
@@ -50,7 +51,7 @@ pub struct Finished {
 }
 
 impl<'a> Progressive<'a> {
-    /// Before the first pass. At most `settings.spp` samples per pixel are taken.
+    /// Before the first pass. At most `settings.spp` samples per pixel are taken, on average where noise decides who gets them.
     pub fn new(
         scene: &'a PreparedScene,
         view: &'a View,
@@ -65,6 +66,7 @@ impl<'a> Progressive<'a> {
             goal,
             display,
             schedule: Schedule::new(goal, settings.spp),
+            allotment: Allotment::new(settings.adaptive, display),
             film: Film::new(view.width, view.height, view.show_environment),
             tally: PassTally::default(),
             looks: 0,
@@ -92,14 +94,15 @@ impl<'a> Progressive<'a> {
     /// As [`Self::run`].
     pub fn step(&mut self, control: &Control) -> Result<Option<Ended>, Stopped> {
         let spp = self.film.spp;
-        let Some(next) = self.schedule.after(spp) else { return Ok(Some(Ended::Samples)) };
+        let Some(next) = self.next(spp) else { return Ok(Some(Ended::Samples)) };
         let begun = spp > 0;
         if begun && !self.fits(next, control) {
             return Ok(Some(Ended::Deadline));
         }
         self.announce(control);
         let clock = Instant::now();
-        match render_pass(self.scene, self.view, self.settings, &mut self.film, spp..next, control) {
+        let aim = self.allotment.aim(&self.film, next);
+        match render_until(self.scene, self.view, self.settings, &mut self.film, (next, aim), control) {
             Ok(tally) => self.tally += tally,
             Err(Stopped) if begun && !control.was_asked_to_stop() => return Ok(Some(Ended::Deadline)),
             Err(Stopped) => return Err(Stopped),
@@ -108,7 +111,12 @@ impl<'a> Progressive<'a> {
         if self.look() {
             return Ok(Some(Ended::Error));
         }
-        Ok(self.schedule.after(next).is_none().then_some(Ended::Samples))
+        Ok(self.next(next).is_none().then_some(Ended::Samples))
+    }
+
+    /// Samples per pixel after the next pass.
+    fn next(&self, spp: u32) -> Option<u32> {
+        Some(self.schedule.after(spp)?.min(self.allotment.reach(spp)))
     }
 
     /// The film so far.
@@ -161,8 +169,9 @@ impl<'a> Progressive<'a> {
             (Some(target), Some(a)) => spp * (a.error_bound / target) * (a.error_bound / target),
             _ => f64::from(self.settings.spp),
         };
-        let pixels = f64::from(self.view.width) * f64::from(self.view.height);
-        control.begin_at((spp * pixels) as u64, (foretold.min(f64::from(self.settings.spp)) * pixels) as u64);
+        let taken = self.film.samples() as f64;
+        let pixels = if spp > 0.0 { taken / spp } else { self.film.pixels.len() as f64 };
+        control.begin_at(taken as u64, (foretold.min(f64::from(self.settings.spp)) * pixels) as u64);
     }
 }
 

@@ -84,7 +84,7 @@ impl Shot<'_> {
             width,
             height,
             spp,
-            samples: u64::from(spp) * u64::from(width) * u64::from(height),
+            samples: self.film.samples(),
             exposure: self.exposure,
             error: self.accuracy.map(|a| a.error),
             error_bound: bound,

@@ -78,7 +78,7 @@ pub(super) fn judge(film: &Film, e: &Expectation, level: f64) -> Judgement {
         };
         if e.each_pixel {
             for pixel in pixels.clone() {
-                let got = film.pixels[pixel].mean(film.spp)[channel];
+                let got = film.pixels[pixel].mean()[channel];
                 let verdict = if beyond(got) == 0.0 { Verdict::Pass } else { Verdict::Fail };
                 take((got - expected).abs(), Judgement { expected, got, standard_error: 0.0, verdict });
             }
@@ -117,7 +117,7 @@ mod tests {
     fn film(mean: f32, spread: f32) -> Film {
         let mut sums = PixelSums::default();
         (0..8).for_each(|s| sums.add(s, [mean + if s % 2 == 0 { spread } else { -spread }; 4]));
-        Film { width: 4, height: 4, spp: 8, opaque: true, pixels: vec![sums; 16] }
+        Film { spp: 8, pixels: vec![sums; 16], ..Film::new(4, 4, true) }
     }
 
     fn expect(value: f64, relation: Relation) -> Expectation {

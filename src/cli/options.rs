@@ -3,9 +3,9 @@ use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::settings::{
-    Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Integrator, KdTreeBuilder,
-    Layer, LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset, RenderSettings,
-    SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
+    Adaptive, Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Integrator,
+    KdTreeBuilder, Layer, LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset,
+    RenderSettings, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
 };
 use std::path::PathBuf;
 
@@ -74,6 +74,9 @@ pub struct SettingOptions {
     /// Selects the random numbers
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Sampling")]
     seed: u64,
+    /// Which pixels get more samples than others: with variance --spp is an average
+    #[arg(long, value_enum, default_value_t, help_heading = "Quality")]
+    adaptive: Adaptive,
     /// Scattering events per path at most [default: 16, or the view file's]
     #[arg(long, value_name = "N", help_heading = "Sampling")]
     max_depth: Option<u32>,
@@ -198,6 +201,7 @@ impl SettingOptions {
             },
             render: RenderSettings {
                 spp,
+                adaptive: self.adaptive,
                 seed: self.seed,
                 max_depth: self.max_depth.or_else(|| of_file(|f| f.max_depth)).unwrap_or(depth),
                 integrator: self.integrator,

@@ -23,39 +23,52 @@ pub struct Picture {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelSums {
     sums: [[f64; 4]; REPLICATES as usize],
+    samples: u32,
 }
 
 impl PixelSums {
-    /// Adds sample number `sample` (over all replicates).
+    /// Adds sample number `sample` (over all replicates), the one after the last one.
     pub fn add(&mut self, sample: u32, rgba: [f32; 4]) {
+        self.samples = sample + 1;
         let sum = &mut self.sums[(sample % REPLICATES) as usize];
         (0..4).for_each(|c| sum[c] += f64::from(rgba[c]));
     }
 
-    /// Mean over all of `spp` samples.
-    pub fn mean(&self, spp: u32) -> [f64; 4] {
-        let n = f64::from(spp.max(1));
+    /// Counts sample number `sample` as one that brought nothing.
+    pub fn drop_sample(&mut self, sample: u32) {
+        self.samples = sample + 1;
+    }
+
+    /// Samples so far, over all replicates.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Mean over all samples.
+    pub fn mean(&self) -> [f64; 4] {
+        let n = f64::from(self.samples.max(1));
         std::array::from_fn(|c| self.sums.iter().map(|s| s[c]).sum::<f64>() / n)
     }
 
     /// Means of the replicates; those without a sample are left out.
-    pub fn replicate_means(&self, spp: u32) -> impl Iterator<Item = [f64; 4]> + '_ {
+    pub fn replicate_means(&self) -> impl Iterator<Item = [f64; 4]> + '_ {
         (0..REPLICATES).filter_map(move |r| {
-            let n = replicate_samples(spp, r);
+            let n = replicate_samples(self.samples, r);
             (n > 0).then(|| self.sums[r as usize].map(|s| s / f64::from(n)))
         })
     }
 
-    /// Variance of [`Self::mean`]'s first three channels with `spp` ≥ 2 samples, from the spread of the replicates. Replicates
+    /// Variance of [`Self::mean`]'s first three channels with two samples or more, from the spread of the replicates. Replicates
     /// with fewer samples weigh less.
-    pub fn variance(&self, spp: u32) -> [f64; 3] {
-        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|channel| self.variance_of(channel, spp))
+    pub fn variance(&self) -> [f64; 3] {
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|channel| self.variance_of(channel))
     }
 
     /// The same of a weighted sum of the first three channels.
-    fn variance_of(&self, weights: [f64; 3], spp: u32) -> f64 {
+    fn variance_of(&self, weights: [f64; 3]) -> f64 {
+        let spp = self.samples;
         let of = |values: &[f64; 4]| weighted(weights, values);
-        let (mean, filled) = (of(&self.mean(spp)), spp.min(REPLICATES));
+        let (mean, filled) = (of(&self.mean()), spp.min(REPLICATES));
         let square = |r: u32| {
             let n = f64::from(replicate_samples(spp, r));
             let off = of(&self.sums[r as usize]) / n - mean;
@@ -115,27 +128,58 @@ pub struct Film {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Samples per pixel so far.
+    /// Samples per pixel so far: of every pixel, or about as many on average where noise decides ([`crate::accuracy::Allotment`]).
     pub spp: u32,
     /// Whether every pixel of the picture is opaque, because the environment shows where the asset is not. The sums
     /// know what the asset covers all the same.
     pub opaque: bool,
     /// `width · height` sums.
     pub pixels: Vec<PixelSums>,
+    /// Rays traced for each square of [`SQUARE`] × [`SQUARE`] pixels, row by row from the top.
+    pub rays: Vec<u64>,
 }
+
+/// Side of the squares that [`Film::rays`] counts by, pixels.
+pub const SQUARE: u32 = 16;
 
 impl Film {
     /// A film without samples.
     pub fn new(width: u32, height: u32, opaque: bool) -> Self {
         let pixels = vec![PixelSums::default(); width as usize * height as usize];
-        Self { width, height, spp: 0, opaque, pixels }
+        let rays = vec![0; (width.div_ceil(SQUARE) * height.div_ceil(SQUARE)) as usize];
+        Self { width, height, spp: 0, opaque, pixels, rays }
+    }
+
+    /// Samples of all pixels together.
+    pub fn samples(&self) -> u64 {
+        self.pixels.iter().map(|p| u64::from(p.samples())).sum()
+    }
+
+    /// How many rays a sample of a pixel takes, about: its camera ray, and where that meets the asset what follows from it in the
+    /// pixel's square on average.
+    pub fn rays_per_sample(&self) -> impl Fn(usize) -> f64 + '_ {
+        let across = self.width.div_ceil(SQUARE);
+        let square = move |pixel: usize| {
+            let (x, y) = (pixel as u32 % self.width, pixel as u32 / self.width);
+            (y / SQUARE * across + x / SQUARE) as usize
+        };
+        let mut paths = vec![(0.0, 0.0); self.rays.len()];
+        for (k, pixel) in self.pixels.iter().enumerate() {
+            let (all, met) = &mut paths[square(k)];
+            *all += f64::from(pixel.samples());
+            *met += pixel.mean()[3] * f64::from(pixel.samples());
+        }
+        move |pixel| {
+            let ((all, met), rays) = (paths[square(pixel)], self.rays[square(pixel)] as f64);
+            if met > 0.0 { 1.0 + self.pixels[pixel].mean()[3] * (rays - all) / met } else { 1.0 }
+        }
     }
 
     /// The mean of all samples.
     pub fn picture(&self) -> Picture {
         let alpha = |a: f64| if self.opaque { 1.0 } else { a };
         let pixel = |[r, g, b, a]: [f64; 4]| [r, g, b, alpha(a)].map(|x| x as f32);
-        let pixels = self.pixels.iter().map(|p| pixel(p.mean(self.spp))).collect();
+        let pixels = self.pixels.iter().map(|p| pixel(p.mean())).collect();
         Picture { width: self.width, height: self.height, pixels }
     }
 }
@@ -146,8 +190,8 @@ impl Film {
     pub fn estimate(&self, pixels: impl Iterator<Item = usize>, weights: [f64; 3]) -> Estimate {
         let (mut sum, mut count, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);
         for pixel in pixels.map(|p| &self.pixels[p]) {
-            let own = pixel.variance_of(weights, self.spp);
-            sum += weighted(weights, &pixel.mean(self.spp));
+            let own = pixel.variance_of(weights);
+            sum += weighted(weights, &pixel.mean());
             variance += own;
             squares += own * own;
             count += 1.0;
@@ -173,11 +217,11 @@ pub struct Noise {
 impl Film {
     /// The noise of [`Self::picture`].
     pub fn noise(&self) -> Noise {
-        let variance = |p: &PixelSums| p.variance(self.spp).map(|v| v as f32);
+        let variance = |p: &PixelSums| p.variance().map(|v| v as f32);
         let known = self.spp >= 2;
         Noise {
             variance: known.then(|| self.pixels.iter().map(variance).collect()),
-            samples: vec![self.spp; self.pixels.len()],
+            samples: self.pixels.iter().map(PixelSums::samples).collect(),
         }
     }
 }
@@ -190,10 +234,12 @@ mod tests {
     fn mean_and_replicates_agree_when_samples_do_not_divide_evenly() {
         let mut pixel = PixelSums::default();
         (0..5).for_each(|s| pixel.add(s, [s as f32, 1.0, 0.0, 1.0]));
-        assert_eq!(pixel.mean(5), [2.0, 1.0, 0.0, 1.0]);
-        let means: Vec<f64> = pixel.replicate_means(5).map(|m| m[0]).collect();
+        assert_eq!(pixel.mean(), [2.0, 1.0, 0.0, 1.0]);
+        let means: Vec<f64> = pixel.replicate_means().map(|m| m[0]).collect();
         assert_eq!(means, [2.0, 2.0]);
-        assert_eq!(pixel.replicate_means(1).count(), 1);
+        let mut first = PixelSums::default();
+        first.add(0, [1.0; 4]);
+        assert_eq!((first.replicate_means().count(), first.samples()), (1, 1));
         assert_eq!([0, 1].map(|r| replicate_samples(5, r)), [3, 2]);
     }
 
@@ -202,10 +248,10 @@ mod tests {
         let mut pixel = PixelSums::default();
         (0..8).for_each(|s| pixel.add(s, [s as f32, 3.0, -(s as f32), 1.0]));
         // Replicate means 3 and 4: their variance is 1/2, that of the mean of both half of it.
-        let [a, b, c] = pixel.variance(8);
+        let [a, b, c] = pixel.variance();
         assert!((a - 0.25).abs() < 1e-12 && b == 0.0 && (c - a).abs() < 1e-12);
-        let film = Film { width: 1, height: 1, spp: 1, opaque: false, pixels: vec![pixel] };
-        assert_eq!(film.noise(), Noise { variance: None, samples: vec![1] });
+        let film = Film { spp: 1, pixels: vec![pixel], ..Film::new(1, 1, false) };
+        assert_eq!(film.noise(), Noise { variance: None, samples: vec![8] });
     }
 
     #[test]
@@ -216,7 +262,7 @@ mod tests {
             sums.add(1, [2.0 * d, 0.0, 2.0 * d, 1.0]);
             sums
         };
-        let film = |d: [f32; 4]| Film { width: 4, height: 1, spp: 2, opaque: false, pixels: d.map(pixel).to_vec() };
+        let film = |d: [f32; 4]| Film { spp: 2, pixels: d.map(pixel).to_vec(), ..Film::new(4, 1, false) };
         let even = film([3.0; 4]).estimate(0..4, [1.0, 0.0, 0.0]);
         assert_eq!(even, Estimate { mean: 3.0, variance: 9.0 / 4.0, degrees: 4.0 });
         let both = film([3.0; 4]).estimate(0..2, [0.5, 0.0, 0.5]);
@@ -234,6 +280,6 @@ mod tests {
         let mut film = Film::new(1, 1, true);
         film.pixels[0].add(0, [0.5, 0.5, 0.5, 0.0]);
         film.spp = 1;
-        assert_eq!((film.pixels[0].mean(1)[3], film.picture().pixels[0]), (0.0, [0.5, 0.5, 0.5, 1.0]));
+        assert_eq!((film.pixels[0].mean()[3], film.picture().pixels[0]), (0.0, [0.5, 0.5, 0.5, 1.0]));
     }
 }

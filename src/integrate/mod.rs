@@ -38,8 +38,8 @@ pub use record::{Cause, PathEvent};
 pub use replay::{PathTrace, replay};
 use std::ops::Range;
 pub use surfaces::surfaces;
-pub use tile::PassTally;
 use tile::Tile;
+pub use tile::{Aim, PassTally};
 use walk::Course;
 
 /// What a picture shows.
@@ -133,7 +133,24 @@ pub fn render_pass(
     samples: Range<u32>,
     control: &Control,
 ) -> Result<PassTally, Stopped> {
-    debug_assert_eq!((film.spp, film.width, film.height), (samples.start, view.width, view.height));
+    debug_assert_eq!(film.spp, samples.start);
+    render_until(scene, view, settings, film, (samples.end, Aim::All(samples.end)), control)
+}
+
+/// The same, with a number of samples for each pixel: from as many as it has to as many as `aim` says. `spp` is what the film
+/// then says that it has on average.
+///
+/// # Errors
+/// [`Stopped`] when `control` asks for it: then the film is as it was.
+pub fn render_until(
+    scene: &PreparedScene,
+    view: &View,
+    settings: &RenderSettings,
+    film: &mut Film,
+    (spp, aim): (u32, Aim),
+    control: &Control,
+) -> Result<PassTally, Stopped> {
+    debug_assert_eq!((film.width, film.height), (view.width, view.height));
     let camera = RayCamera::new(&view.camera, &scene.frame);
     let course = Course::new(scene, settings, view);
     let memories = wave::Memories::default();
@@ -144,14 +161,14 @@ pub fn render_pass(
         .with_max_len(1)
         .map(|corner| {
             let clock = ThreadTime::now();
-            let mut tile = Tile::of(before, *corner, settings.clamp);
+            let mut tile = Tile::of(before, *corner, settings.clamp, aim);
             if let Some(tracer) = &whitted {
-                tracer.render_tile(view, settings, &mut tile, samples.clone(), control)?;
+                tracer.render_tile(view, settings, &mut tile, control)?;
             } else {
                 if settings.integrator == Integrator::Plain {
-                    render_tile(&course, view, &camera, &mut tile, samples.clone(), control)?;
+                    render_tile(&course, view, &camera, &mut tile, control)?;
                 } else {
-                    wave::render_tile(&course, view, &camera, &memories, &mut tile, samples.clone(), control)?;
+                    wave::render_tile(&course, view, &camera, &memories, &mut tile, control)?;
                 }
                 // Whitted's paths are not those that a replay follows.
                 tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
@@ -164,7 +181,7 @@ pub fn render_pass(
     for tile in tiles {
         tally += tile.store(film);
     }
-    film.spp = samples.end;
+    film.spp = spp;
     Ok(tally)
 }
 
@@ -180,11 +197,11 @@ fn render_tile(
     view: &View,
     camera: &RayCamera,
     tile: &mut Tile,
-    samples: Range<u32>,
     control: &Control,
 ) -> Result<(), Stopped> {
     for pixel in 0..tile.width * tile.height {
         let (x, y) = (tile.x + pixel % tile.width, tile.y + pixel / tile.width);
+        let samples = tile.wanted(pixel as usize);
         for sample in samples.clone() {
             // A pixel of many samples takes long.
             if sample % 64 == 0 || sample == samples.start {

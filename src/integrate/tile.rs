@@ -1,9 +1,28 @@
 use super::{Cause, Dropped, DroppedSample, RayCounts};
-use crate::film::{Film, PixelSums};
+use crate::film::{Film, PixelSums, SQUARE};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Side of the square tiles that threads take in turn.
-pub(super) const SIDE: u32 = 16;
+pub(super) const SIDE: u32 = SQUARE;
+
+/// How many samples the pixels of a film are to have.
+#[derive(Clone, Copy, Debug)]
+pub enum Aim<'a> {
+    /// All of them so many.
+    All(u32),
+    /// Each as many as stands here, row by row from the top; those that have more keep them.
+    Each(&'a [u32]),
+}
+
+impl Aim<'_> {
+    fn at(&self, pixel: usize) -> u32 {
+        match self {
+            Self::All(samples) => *samples,
+            Self::Each(samples) => samples[pixel],
+        }
+    }
+}
 
 /// What a pass cost and came across.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +59,8 @@ pub(super) struct Tile {
     pub width: u32,
     pub height: u32,
     pixels: Vec<PixelSums>,
+    /// Samples that each of them is to have.
+    aims: Vec<u32>,
     /// What it cost.
     pub tally: PassTally,
     /// Pixel and sample of what was not finite.
@@ -54,16 +75,23 @@ impl Tile {
         across(film.height).flat_map(|y| across(film.width).map(move |x| (x * SIDE, y * SIDE))).collect()
     }
 
-    /// The tile at a corner. Channels of samples above `clamp` are cut off there.
-    pub fn of(film: &Film, (x, y): (u32, u32), clamp: Option<f32>) -> Self {
+    /// The tile at a corner, to be filled up to `aim`. Channels of samples above `clamp` are cut off there.
+    pub fn of(film: &Film, (x, y): (u32, u32), clamp: Option<f32>, aim: Aim) -> Self {
         let (width, height) = (SIDE.min(film.width - x), SIDE.min(film.height - y));
         let mut pixels = Vec::with_capacity((width * height) as usize);
+        let mut aims = Vec::with_capacity(pixels.capacity());
         for row in y..y + height {
             let start = row as usize * film.width as usize + x as usize;
             pixels.extend_from_slice(&film.pixels[start..start + width as usize]);
+            aims.extend((start..start + width as usize).map(|pixel| aim.at(pixel)));
         }
         let clamp = clamp.unwrap_or(f32::INFINITY);
-        Self { x, y, width, height, pixels, tally: PassTally::default(), nonfinite: Vec::new(), clamp }
+        Self { x, y, width, height, pixels, aims, tally: PassTally::default(), nonfinite: Vec::new(), clamp }
+    }
+
+    /// The samples that a pixel of the tile (row by row) lacks.
+    pub fn wanted(&self, pixel: usize) -> Range<u32> {
+        self.pixels[pixel].samples()..self.aims[pixel]
     }
 
     /// Adds a sample to the tile's pixel number `pixel` (row by row). Those of a pixel come in ascending order; the order
@@ -71,6 +99,7 @@ impl Tile {
     pub fn add(&mut self, pixel: usize, sample: u32, radiance: Vec3, covered: bool) {
         if !radiance.is_finite() {
             self.nonfinite.push((pixel, sample));
+            self.pixels[pixel].drop_sample(sample);
             return;
         }
         let kept = if radiance.max_element() > self.clamp { self.cut(radiance) } else { radiance };
@@ -101,6 +130,9 @@ impl Tile {
             let start = (self.y as usize + row) * film.width as usize + self.x as usize;
             film.pixels[start..start + pixels.len()].copy_from_slice(pixels);
         }
+        let square = self.y / SIDE * film.width.div_ceil(SIDE) + self.x / SIDE;
+        let RayCounts { camera, bounce, shadow } = self.tally.rays;
+        film.rays[square as usize] += camera + bounce + shadow;
         self.tally
     }
 }
@@ -114,22 +146,22 @@ mod tests {
         let mut film = Film::new(37, 18, false);
         for pass in 0..2 {
             for corner in Tile::corners(&film) {
-                let mut tile = Tile::of(&film, corner, None);
+                let mut tile = Tile::of(&film, corner, None, Aim::All(pass + 1));
                 (0..tile.width * tile.height).for_each(|k| tile.add(k as usize, pass, Vec3::ONE, true));
                 tile.store(&mut film);
             }
             film.spp += 1;
         }
-        assert!(film.pixels.iter().all(|p| p.mean(1) == [2.0; 4]));
+        assert!(film.pixels.iter().all(|p| p.mean() == [1.0; 4]));
     }
 
     #[test]
     fn what_clamping_takes_is_told() {
         let film = Film::new(1, 1, false);
-        let mut tile = Tile::of(&film, (0, 0), Some(2.0));
+        let mut tile = Tile::of(&film, (0, 0), Some(2.0), Aim::All(2));
         tile.add(0, 0, Vec3::new(5.0, 2.0, 1.0), true);
         tile.add(0, 1, Vec3::new(f32::NAN, 2.0, 1.0), true);
-        assert_eq!(tile.pixels[0].mean(1), [2.0, 2.0, 1.0, 1.0]);
+        assert_eq!(tile.pixels[0].mean(), [1.0, 1.0, 0.5, 0.5]);
         tile.explain(|pixel, sample| (pixel == [0, 0] && sample == 1).then_some(Cause::Scattering));
         assert_eq!((tile.tally.clamped, tile.tally.nonfinite), (3.0, 1));
         assert_eq!(tile.tally.dropped.by_cause().collect::<Vec<_>>(), [(Cause::Scattering, 1)]);

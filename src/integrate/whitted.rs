@@ -20,7 +20,6 @@ use kiln_formats::{Control, Stopped};
 use material::Matter;
 use shapes::{Met, Shapes};
 use std::f64::consts::PI;
-use std::ops::Range;
 
 /// Rays that carry less than this share of a pixel are not followed: a thirtieth of a level of 8 bits.
 const LEAST_SHARE: f64 = 1e-4;
@@ -59,12 +58,12 @@ impl<'a> Tracer<'a> {
         view: &View,
         settings: &RenderSettings,
         tile: &mut Tile,
-        samples: Range<u32>,
         control: &Control,
     ) -> Result<(), Stopped> {
         for pixel in 0..tile.width * tile.height {
             control.check()?;
             let place = [tile.x + pixel % tile.width, tile.y + pixel / tile.width];
+            let samples = tile.wanted(pixel as usize);
             for sample in samples.clone() {
                 let (radiance, covered) = self.sample(view, settings, place, sample, &mut tile.tally.rays);
                 tile.add(pixel as usize, sample, radiance, covered);

@@ -3,10 +3,10 @@ use super::cell::measure;
 use super::identity::{content, key, metadata, text_of};
 use super::run::{Subject, picture_path};
 use super::{Cell, Reference, Store, Way};
-use crate::accuracy::{Accuracy, CONFIDENCE, Display, Progressive};
+use crate::accuracy::{Accuracy, Allotment, CONFIDENCE, Display, Progressive};
 use crate::batch::{Ready, StageSeconds};
 use crate::film::Film;
-use crate::integrate::{PassTally, render_pass};
+use crate::integrate::{PassTally, render_until};
 use crate::metrics::Show;
 use crate::settings::Settings;
 use crate::write::{atomic, display, png};
@@ -63,11 +63,15 @@ impl Bench<'_> {
         }
         let view = &run.ready.views[0];
         let mut film = Film::new(view.width, view.height, view.show_environment);
+        let mut allotment = Allotment::new(run.settings.render.adaptive, *run.display);
         let (mut tally, clock, mut asleep) = (PassTally::default(), Instant::now(), 0.0);
         let mut next = ladder.first().copied();
         while let Some(spp) = next {
-            let (render, samples) = (&run.settings.render, film.spp..spp);
-            tally += render_pass(&run.ready.scene, view, render, &mut film, samples, self.control)?;
+            while film.spp < spp {
+                let next = spp.min(allotment.reach(film.spp));
+                let aim = (next, allotment.aim(&film, next));
+                tally += render_until(&run.ready.scene, view, &run.settings.render, &mut film, aim, self.control)?;
+            }
             let render = clock.elapsed().as_secs_f64() - asleep;
             let cell = match known.iter().find(|c| c.spp == spp) {
                 Some(cell) => cell.clone(),

@@ -1,5 +1,5 @@
 use crate::settings::{
-    Effect, EffectSet, EffectSettings, KdTreeBuilder, Preset, SamplerKind, Settings, Strategy, roulette_after,
+    Adaptive, Effect, EffectSet, EffectSettings, KdTreeBuilder, Preset, SamplerKind, Settings, Strategy, roulette_after,
 };
 use clap::ValueEnum;
 use serde::Serialize;
@@ -32,13 +32,16 @@ pub struct Way {
     /// Which effects are simulated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effects: Option<EffectSettings>,
+    /// Whether noise decides which pixels get more samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adaptive: Option<Adaptive>,
     /// A goal instead of growing samples: one picture, when its stated error is small enough.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<Preset>,
 }
 
 /// The ways that have a name: name, group, title, and what they do otherwise.
-pub const WAYS: [(&str, &str, &str, &str); 24] = [
+pub const WAYS: [(&str, &str, &str, &str); 25] = [
     ("kiln", "strategies", "Kiln's own way: MIS, Sobol' points, SAH tree", ""),
     ("light", "strategies", "light sampling alone", "strategy=light"),
     ("bsdf", "strategies", "BSDF sampling alone", "strategy=bsdf"),
@@ -64,6 +67,7 @@ pub const WAYS: [(&str, &str, &str, &str); 24] = [
         "roulette=1",
     ),
     ("no-roulette", "roulette", "no Russian roulette: every path to its full depth", "roulette=off"),
+    ("even", "adaptive", "the same number of samples in all pixels", "adaptive=off"),
     ("draft", "presets", "--preset draft: until the stated error is 8 levels", "preset=draft"),
     ("preview", "presets", "--preset preview: until the stated error is 4 levels", "preset=preview"),
     ("final", "presets", "--preset final: until the stated error is 1.5 levels", "preset=final"),
@@ -71,19 +75,19 @@ pub const WAYS: [(&str, &str, &str, &str); 24] = [
         "2018",
         "2018",
         "the 2018 tracer's way, made correct: uniform directions, xorshift32, sampled kd-tree",
-        "strategy=hemisphere sampler=xorshift32 kdtree=sampled",
+        "strategy=hemisphere sampler=xorshift32 kdtree=sampled adaptive=off",
     ),
 ];
 
 /// What a way can do otherwise.
-const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, effects, preset";
+const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, effects, preset";
 
 /// What is studied unless something else is asked for.
-const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,2018,presets";
+const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,even,2018,presets";
 
 impl Way {
     /// A way by its name, or one's own: `NAME: KEY=VALUE KEY=VALUE …` with the keys strategy, sampler, kdtree, max-depth,
-    /// light-samples, roulette, effects and preset.
+    /// light-samples, roulette, adaptive, effects and preset.
     ///
     /// # Errors
     /// A sentence.
@@ -115,6 +119,7 @@ impl Way {
                 "light-samples" => way.light_samples = Some(number()?.clamp(1, 4096)),
                 "roulette" => way.roulette = Some(roulette_after(value).ok_or_else(|| wrong("not a number".into()))?),
                 "effects" => way.effects = Some(value.parse().map_err(wrong)?),
+                "adaptive" => way.adaptive = Some(Adaptive::from_str(value, false).map_err(wrong)?),
                 "preset" => way.preset = Some(Preset::from_str(value, false).map_err(wrong)?),
                 _ => return Err(format!("'{key}' is none of {KEYS}")),
             }
@@ -159,7 +164,7 @@ fn names() -> Vec<&'static str> {
     WAYS.iter().map(|w| w.0).collect()
 }
 
-/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, presets), `usual` and `all`, separated by commas,
+/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, adaptive, presets), `usual` and `all`, separated by commas,
 /// each once; and those of one's own.
 ///
 /// # Errors

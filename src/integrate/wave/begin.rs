@@ -1,6 +1,6 @@
 //! Camera paths, sixteen at a time.
 
-use super::{Memory, Slot, path};
+use super::{Memory, Round, Slot, path};
 use crate::integrate::View;
 use crate::integrate::camera::NearCamera;
 use crate::integrate::medium::Inside;
@@ -8,7 +8,6 @@ use crate::lanes::{LANES, Lanes, Words, Work};
 use crate::sampling::{PathSampler, PathSamplers, Purpose};
 use crate::settings::RenderSettings;
 use glam::Vec3;
-use std::ops::Range;
 
 /// Begins the paths of some samples of pixels.
 pub(super) struct Begin<'a> {
@@ -20,9 +19,7 @@ pub(super) struct Begin<'a> {
     pub spread: f32,
     /// The tile's left upper pixel.
     pub corner: [u32; 2],
-    /// Pixels within the tile.
-    pub pixels: &'a [[u32; 2]],
-    pub samples: Range<u32>,
+    pub rounds: &'a [Round],
 }
 
 impl Work for Begin<'_> {
@@ -30,13 +27,13 @@ impl Work for Begin<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { memory, settings, view, camera, spread, corner, pixels, samples } = self;
-        for sample in samples {
+        let Self { memory, settings, view, camera, spread, corner, rounds } = self;
+        for Round { sample, pixels } in rounds {
             for pixels in pixels.chunks(LANES) {
                 let at = memory.slots.len();
                 let word = |axis: usize| std::array::from_fn(|i| corner[axis] + pixels.get(i).map_or(0, |p| p[axis]));
                 let pixel = [l.load_words(&word(0)), l.load_words(&word(1))];
-                let samplers = PathSamplers::<L>::of_pixels(settings.sampler, settings.seed, pixel, sample);
+                let samplers = PathSamplers::<L>::of_pixels(settings.sampler, settings.seed, pixel, *sample);
                 let Some(samplers) = samplers else { return };
                 let [dx, dy] = samplers.get_2d(0, Purpose::Pixel);
                 let x = (pixel[0].to_floats() + dx) / view.width as f32;

@@ -139,27 +139,36 @@ impl Memories {
     }
 }
 
-/// Adds the samples numbered `samples` of a tile's pixels to it.
+/// Adds to a tile the samples that its pixels lack.
 pub(super) fn render_tile(
     course: &Course,
     view: &View,
     camera: &RayCamera,
     memories: &Memories,
     tile: &mut Tile,
-    samples: Range<u32>,
     control: &Control,
 ) -> Result<(), Stopped> {
     let mut memory = memories.take();
-    let pixels = blockwise(tile.width, tile.height);
-    let at_once = (PATHS / pixels.len().max(1)) as u32;
-    let mut from = samples.start;
-    while from < samples.end {
+    let pixels: Vec<([u32; 2], Range<u32>)> = blockwise(tile.width, tile.height)
+        .into_iter()
+        .map(|[x, y]| ([x, y], tile.wanted((y * tile.width + x) as usize)))
+        .filter(|(_, wanted)| !wanted.is_empty())
+        .collect();
+    let mut next = pixels.iter().map(|(_, wanted)| wanted.start).min().unwrap_or(0);
+    let end = pixels.iter().map(|(_, wanted)| wanted.end).max().unwrap_or(0);
+    while next < end {
         control.check()?;
-        let batch = from..samples.end.min(from + at_once);
+        let (mut rounds, mut paths) = (Vec::new(), 0);
+        while next < end && paths + pixels.len() <= PATHS {
+            let wanting = pixels.iter().filter(|(_, wanted)| wanted.contains(&next));
+            let round = Round { sample: next, pixels: wanting.map(|(pixel, _)| *pixel).collect() };
+            paths += round.pixels.len();
+            rounds.push(round);
+            next += 1;
+        }
         let wave = Wave { course, memory: &mut memory, tile };
-        wave.render(view, camera, &pixels, batch.clone());
-        control.advance(u64::from(batch.end - batch.start) * pixels.len() as u64);
-        from = batch.end;
+        wave.render(view, camera, &rounds);
+        control.advance(paths as u64);
     }
     memories.give_back(memory);
     Ok(())
@@ -172,6 +181,12 @@ fn blockwise(width: u32, height: u32) -> Vec<[u32; 2]> {
     all.filter(|[x, y]| *x < width && *y < height).collect()
 }
 
+/// A sample of some pixels within a tile.
+struct Round {
+    sample: u32,
+    pixels: Vec<[u32; 2]>,
+}
+
 /// A wavefront at work.
 struct Wave<'a> {
     course: &'a Course<'a>,
@@ -180,8 +195,8 @@ struct Wave<'a> {
 }
 
 impl Wave<'_> {
-    fn render(mut self, view: &View, camera: &RayCamera, pixels: &[[u32; 2]], samples: Range<u32>) {
-        self.begin(view, camera, pixels, samples.clone());
+    fn render(mut self, view: &View, camera: &RayCamera, rounds: &[Round]) {
+        self.begin(view, camera, rounds);
         for depth in 0..=self.course.settings.max_depth {
             self.trace_paths(depth);
             self.course.prepared.lanes.run(shade::Shade { wave: &mut self, depth });
@@ -190,16 +205,14 @@ impl Wave<'_> {
                 break;
             }
         }
-        let slots = self.memory.slots.chunks(pixels.len());
-        for (sample, slots) in samples.zip(slots) {
-            for ([x, y], slot) in pixels.iter().zip(slots) {
-                self.tile.add((y * self.tile.width + x) as usize, sample, slot.radiance, slot.covered);
-            }
+        let paths = rounds.iter().flat_map(|round| round.pixels.iter().map(move |pixel| (round.sample, pixel)));
+        for ((sample, [x, y]), slot) in paths.zip(&self.memory.slots) {
+            self.tile.add((y * self.tile.width + x) as usize, sample, slot.radiance, slot.covered);
         }
     }
 
     /// Camera rays.
-    fn begin(&mut self, view: &View, camera: &RayCamera, pixels: &[[u32; 2]], samples: Range<u32>) {
+    fn begin(&mut self, view: &View, camera: &RayCamera, rounds: &[Round]) {
         let settings = self.course.settings;
         let memory = &mut *self.memory;
         memory.slots.clear();
@@ -209,31 +222,22 @@ impl Wave<'_> {
             let corner = [self.tile.x, self.tile.y];
             let spread = camera.cone(near.origin, view.height).spread;
             let camera = near;
-            self.course.prepared.lanes.run(begin::Begin {
-                memory,
-                settings,
-                view,
-                camera,
-                spread,
-                corner,
-                pixels,
-                samples,
-            });
+            self.course.prepared.lanes.run(begin::Begin { memory, settings, view, camera, spread, corner, rounds });
         } else {
-            self.begin_one_by_one(view, camera, pixels, samples);
+            self.begin_one_by_one(view, camera, rounds);
         }
         self.memory.paths.len = self.memory.slots.len();
         self.tile.tally.rays.camera += self.memory.slots.len() as u64;
     }
 
     /// Camera rays in double precision, and for any sampler.
-    fn begin_one_by_one(&mut self, view: &View, camera: &RayCamera, pixels: &[[u32; 2]], samples: Range<u32>) {
+    fn begin_one_by_one(&mut self, view: &View, camera: &RayCamera, rounds: &[Round]) {
         let settings = self.course.settings;
         let memory = &mut *self.memory;
-        for sample in samples {
+        for Round { sample, pixels } in rounds {
             for [x, y] in pixels {
                 let pixel = [self.tile.x + x, self.tile.y + y];
-                let mut sampler = PathSampler::new(settings.sampler, settings.seed, pixel, sample);
+                let mut sampler = PathSampler::new(settings.sampler, settings.seed, pixel, *sample);
                 let walk = Walk::new(camera_ray(view, camera, pixel, sampler.get_2d(0, Purpose::Pixel)));
                 let at = memory.slots.len();
                 memory.slots.push(Slot { radiance: Vec3::ZERO, covered: false, sampler, inside: Inside::default() });

@@ -1,0 +1,268 @@
+use super::displayed::square_difference;
+use super::jackknife::LeaveOneOut;
+use super::{Display, schedule::FIRST_LOOK};
+use crate::film::{Film, PixelSums};
+use crate::integrate::Aim;
+use crate::settings::Adaptive;
+use rayon::prelude::*;
+
+/// Pixels to each side whose noise says how many samples a pixel gets.
+const RADIUS: usize = 3;
+/// The fewest samples of a pixel at the end of an octave, as a share of its average: what has shown no noise so far may only have
+/// been lucky.
+const LEAST: f64 = 0.25;
+/// The most, likewise: a firefly does not take all.
+const MOST: f64 = 4.0;
+/// Halvings of the interval in which the number of samples per noise is sought.
+const STEPS: u32 = 24;
+
+/// Who gets how many samples: adaptive sampling.
+///
+/// Until [`FIRST_LOOK`] all pixels have the same. Then samples are shared out so that the error of the picture as displayed,
+/// Σ σ²/n, becomes least for what they cost, Σ c n: n ∝ σ/√c (Neyman 1934), in powers of two, at which the points of a pixel are
+/// spread best. σ is looked at whenever the average has doubled: the mean deviation over the 7 × 7 pixels around a pixel **without
+/// itself**. How often a pixel is sampled then does not depend on what its own samples have brought, and its mean stays unbiased:
+/// deciding by its own would end early where bright paths have been missed. c are the rays that a sample takes there.
+///
+/// The pixels which the asset covers together cost what so many samples in each would; the others, which no error counts, get the fewest.
+/// A film at `spp` is the same however it got there.
+#[derive(Clone, Debug)]
+pub struct Allotment {
+    adaptive: Adaptive,
+    display: Display,
+    octave: Option<Octave>,
+    aims: Vec<u32>,
+}
+
+impl Allotment {
+    /// For a film without samples, that is to look right on a display.
+    pub fn new(adaptive: Adaptive, display: Display) -> Self {
+        Self { adaptive, display, octave: None, aims: Vec::new() }
+    }
+
+    /// Up to where a film with `spp` samples can go without another look at its noise.
+    pub fn reach(&self, spp: u32) -> u32 {
+        match (self.adaptive, spp) {
+            (Adaptive::Off, _) => u32::MAX,
+            (Adaptive::Variance, 0..FIRST_LOOK) => FIRST_LOOK,
+            (Adaptive::Variance, _) => octave_of(spp).saturating_mul(2),
+        }
+    }
+
+    /// Samples of each pixel of a film that is to have `spp` on average; no more than [`Self::reach`].
+    pub fn aim(&mut self, film: &Film, spp: u32) -> Aim<'_> {
+        debug_assert!(spp <= self.reach(film.spp));
+        if self.adaptive == Adaptive::Off || spp <= FIRST_LOOK {
+            return Aim::All(spp);
+        }
+        let begin = octave_of(film.spp);
+        let octave = match self.octave.take() {
+            Some(octave) if octave.begin == begin => octave,
+            _ => Octave::of(film, &self.display),
+        };
+        octave.aims(film, spp, &mut self.aims);
+        self.octave = Some(octave);
+        Aim::Each(&self.aims)
+    }
+}
+
+/// The number of samples at which the octave began that a film with `spp` ≥ [`FIRST_LOOK`] is in.
+fn octave_of(spp: u32) -> u32 {
+    FIRST_LOOK << (spp / FIRST_LOOK).ilog2()
+}
+
+/// What is known at the beginning of an octave.
+#[derive(Clone, Debug)]
+struct Octave {
+    begin: u32,
+    pixels: Vec<Need>,
+}
+
+/// What a pixel needs.
+#[derive(Clone, Copy, Debug)]
+struct Need {
+    covered: bool,
+    /// Samples, but for a factor that all pixels share.
+    samples: f64,
+    /// Rays of a sample.
+    cost: f64,
+}
+
+impl Octave {
+    fn of(film: &Film, display: &Display) -> Self {
+        let said: Vec<Said> = film.pixels.par_iter().map(|pixel| Said::by(pixel, display, film.opaque)).collect();
+        let noise = around(&said, film.width as usize);
+        let costs = film.rays_per_sample();
+        let need = |pixel: usize| {
+            let cost = costs(pixel);
+            Need { covered: said[pixel].covered > 0.0, samples: noise[pixel] / cost.sqrt(), cost }
+        };
+        Self { begin: octave_of(film.spp), pixels: (0..said.len()).map(need).collect() }
+    }
+
+    /// The samples of each pixel when the average is `spp`.
+    fn aims(&self, film: &Film, spp: u32, aims: &mut Vec<u32>) {
+        let end = 2.0 * f64::from(self.begin);
+        let covered: Vec<(Need, u32)> =
+            self.pixels.iter().zip(&film.pixels).filter(|(n, _)| n.covered).map(|(n, p)| (*n, p.samples())).collect();
+        let wanted = |need: &Need, has: u32, factor: f64| {
+            let share = power_of_two((factor * need.samples).clamp(LEAST * end, MOST * end));
+            share.max(has)
+        };
+        let budget: f64 = covered.iter().map(|(need, _)| need.cost).sum::<f64>() * f64::from(spp);
+        let cost = |factor: f64| -> f64 {
+            covered.iter().map(|(need, has)| need.cost * f64::from(wanted(need, *has, factor))).sum()
+        };
+        let needs = || covered.iter().map(|(need, _)| need.samples).filter(|n| *n > 0.0);
+        let (least, greatest) = (needs().fold(f64::INFINITY, f64::min), needs().fold(0.0, f64::max));
+        // Between them all pixels go from the fewest samples to the most.
+        let (mut low, mut high) = (LEAST * end / greatest, 2.0 * MOST * end / least);
+        for _ in 0..STEPS {
+            let middle = (low * high).sqrt();
+            if cost(middle) < budget { low = middle } else { high = middle }
+        }
+        let aim = |need: &Need, has: u32| match (need.covered, greatest > 0.0) {
+            (true, true) => wanted(need, has, low),
+            // Nothing there is noise: as many for all.
+            (true, false) => spp.max(has),
+            (false, _) => power_of_two(LEAST * end).max(has),
+        };
+        aims.clear();
+        aims.extend(self.pixels.iter().zip(&film.pixels).map(|(need, pixel)| aim(need, pixel.samples())));
+    }
+}
+
+/// The power of two that is nearest by its ratio to a number ≥ 1.
+fn power_of_two(x: f64) -> u32 {
+    1 << ((x * std::f64::consts::SQRT_2) as u32).ilog2()
+}
+
+/// What a pixel's samples say.
+#[derive(Clone, Copy, Debug, Default)]
+struct Said {
+    /// 1 where the asset covers the pixel.
+    covered: f64,
+    /// Displayed deviation of a single sample.
+    deviation: f64,
+}
+
+impl Said {
+    fn by(pixel: &PixelSums, display: &Display, opaque: bool) -> Self {
+        let parts = LeaveOneOut::of(pixel);
+        if !(parts.mean[3] > 0.0) {
+            return Self::default();
+        }
+        let square = square_difference(&parts, display, opaque) * f64::from(pixel.samples());
+        Self { covered: 1.0, deviation: if square.is_finite() { square.sqrt() } else { 0.0 } }
+    }
+}
+
+impl std::ops::AddAssign for Said {
+    fn add_assign(&mut self, other: Self) {
+        self.covered += other.covered;
+        self.deviation += other.deviation;
+    }
+}
+
+/// The mean deviation over the pixels around each pixel without itself.
+fn around(said: &[Said], width: usize) -> Vec<f64> {
+    let height = said.len() / width.max(1);
+    let near = |at: usize, size: usize| at.saturating_sub(RADIUS)..(at + RADIUS + 1).min(size);
+    let sum = |all: &[Said]| {
+        let mut total = Said::default();
+        all.iter().for_each(|s| total += *s);
+        total
+    };
+    let across: Vec<Said> =
+        said.par_chunks(width.max(1)).flat_map_iter(|row| (0..width).map(move |x| sum(&row[near(x, width)]))).collect();
+    let pixel = |at: usize| {
+        let (x, y) = (at % width, at / width);
+        let row = &said[y * width..(y + 1) * width];
+        let mut total = sum(&row[near(x, width).start..x]);
+        total += sum(&row[x + 1..near(x, width).end]);
+        near(y, height).filter(|other| *other != y).for_each(|other| total += across[other * width + x]);
+        if total.covered > 0.0 { total.deviation / total.covered } else { 0.0 }
+    };
+    (0..said.len()).into_par_iter().map(pixel).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{hash_combine, unit_float};
+    use crate::settings::{PictureSettings, ToneMap};
+
+    const SIDE: u32 = 32;
+
+    fn display() -> Display {
+        Display::new(&PictureSettings { tonemap: ToneMap::None, ..PictureSettings::default() }, 0.0)
+    }
+
+    /// Fills a film up to `spp` by an allotment, in passes of so many; samples of a pixel are `of(pixel, number in [0, 1))`.
+    fn fill(allotment: &mut Allotment, seed: u32, passes: &[u32], of: impl Fn(u32, f32) -> [f32; 4]) -> Film {
+        let mut film = Film::new(SIDE, SIDE, false);
+        for spp in passes {
+            match allotment.aim(&film, *spp) {
+                Aim::All(n) => (0..SIDE * SIDE).for_each(|p| grow(&mut film, seed, p, n, &of)),
+                Aim::Each(aims) => (0..SIDE * SIDE).for_each(|p| grow(&mut film, seed, p, aims[p as usize], &of)),
+            }
+            film.spp = *spp;
+        }
+        film
+    }
+
+    fn grow(film: &mut Film, seed: u32, pixel: u32, aim: u32, of: &impl Fn(u32, f32) -> [f32; 4]) {
+        let sums = &mut film.pixels[pixel as usize];
+        for s in sums.samples()..aim {
+            sums.add(s, of(pixel, unit_float(hash_combine(hash_combine(seed, pixel), s))));
+        }
+    }
+
+    /// The left half is noisy, the right half hardly, the upper quarter shows nothing.
+    fn halves(pixel: u32, u: f32) -> [f32; 4] {
+        let noise = if pixel % SIDE < SIDE / 2 { 0.2 } else { 0.02 };
+        if pixel < SIDE * SIDE / 4 { [0.0; 4] } else { [0.3 + noise * (u - 0.5), 0.3, 0.3, 1.0] }
+    }
+
+    #[test]
+    fn samples_go_where_the_noise_is_and_the_average_stays() {
+        let film = fill(&mut Allotment::new(Adaptive::Variance, display()), 1, &[16, 32, 64, 128], halves);
+        let samples = |x: u32, y: u32| film.pixels[(y * SIDE + x) as usize].samples();
+        let (noisy, quiet, empty) = (samples(6, 20), samples(26, 20), samples(6, 2));
+        assert_eq!((noisy, quiet, empty), (256, 32, 32));
+        let covered = film.pixels.iter().filter(|p| p.mean()[3] > 0.0).map(|p| f64::from(p.samples()));
+        let average = covered.sum::<f64>() / f64::from(SIDE * SIDE * 3 / 4);
+        assert!((0.9..=1.0).contains(&(average / 128.0)), "{average}");
+        assert!(film.pixels.iter().all(|p| p.samples().is_power_of_two()));
+    }
+
+    #[test]
+    fn a_film_does_not_depend_on_its_passes() {
+        let filled = |passes: &[u32]| fill(&mut Allotment::new(Adaptive::Variance, display()), 1, passes, halves);
+        let whole = filled(&[16, 32, 56]);
+        assert!(whole == filled(&[1, 2, 4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 56]));
+    }
+
+    #[test]
+    fn what_shows_no_noise_is_sampled_evenly() {
+        let film =
+            fill(&mut Allotment::new(Adaptive::Variance, display()), 1, &[16, 32, 64], |_, _| [0.5, 0.5, 0.5, 1.0]);
+        assert!(film.pixels.iter().all(|p| p.samples() == 64));
+    }
+
+    #[test]
+    fn means_are_not_biased_where_rare_samples_carry_the_light() {
+        // A path in fifty brings all the light: deciding by a pixel's own samples would lose some per cent of it.
+        let rare = |_: u32, u: f32| if u < 0.02 { [2.5, 2.5, 2.5, 1.0] } else { [0.0, 0.0, 0.0, 1.0] };
+        let mut means = Vec::new();
+        for seed in 0..40 {
+            let film = fill(&mut Allotment::new(Adaptive::Variance, display()), seed, &[16, 32, 64], rare);
+            means.extend(film.pixels.iter().map(|p| p.mean()[0]));
+            assert!(film.pixels.iter().any(|p| p.samples() != 64));
+        }
+        let n = means.len() as f64;
+        let mean = means.iter().sum::<f64>() / n;
+        let deviation = (means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / n / n).sqrt();
+        assert!((mean - 0.05).abs() < 3.5 * deviation && deviation < 4e-4, "{mean} ± {deviation}");
+    }
+}
