@@ -1,6 +1,5 @@
-use super::displayed::square_difference;
 use super::jackknife::LeaveOneOut;
-use super::{Display, schedule::FIRST_LOOK};
+use super::{Display, displayed, relmse, schedule::FIRST_LOOK};
 use crate::film::{Film, PixelSums};
 use crate::integrate::Aim;
 use crate::settings::Adaptive;
@@ -18,10 +17,10 @@ const STEPS: u32 = 24;
 
 /// Who gets how many samples: adaptive sampling.
 ///
-/// Until [`FIRST_LOOK`] all pixels have the same. Then samples are shared out so that the error of the picture as displayed,
+/// Until [`FIRST_LOOK`] all pixels have the same. Then samples are shared out so that the error of the picture,
 /// Σ σ²/n, becomes least for what they cost, Σ c n: n ∝ σ/√c (Neyman 1934), in powers of two, at which the points of a pixel are
-/// spread best. σ is looked at whenever the average has doubled: the mean deviation over the 7 × 7 pixels around a pixel **without
-/// itself**. How often a pixel is sampled then does not depend on what its own samples have brought, and its mean stays unbiased:
+/// spread best. σ² is that of the displayed picture and that of relMSE, each as a share of the whole picture's. It is looked at
+/// whenever the average has doubled: mean deviations over the 7 × 7 pixels around a pixel **without itself**. How often a pixel is sampled then does not depend on what its own samples have brought, and its mean stays unbiased:
 /// deciding by its own would end early where bright paths have been missed. c are the rays that a sample takes there.
 ///
 /// The pixels which the asset covers together cost what so many samples in each would; the others, which no error counts, get the fewest.
@@ -92,10 +91,14 @@ impl Octave {
     fn of(film: &Film, display: &Display) -> Self {
         let said: Vec<Said> = film.pixels.par_iter().map(|pixel| Said::by(pixel, display, film.opaque)).collect();
         let noise = around(&said, film.width as usize);
+        let whole = said.iter().fold(Said::default(), |mut all, said| {
+            all += *said;
+            all
+        });
         let costs = film.rays_per_sample();
         let need = |pixel: usize| {
             let cost = costs(pixel);
-            Need { covered: said[pixel].covered > 0.0, samples: noise[pixel] / cost.sqrt(), cost }
+            Need { covered: said[pixel].covered > 0.0, samples: noise[pixel].relative_to(&whole) / cost.sqrt(), cost }
         };
         Self { begin: octave_of(film.spp), pixels: (0..said.len()).map(need).collect() }
     }
@@ -142,8 +145,8 @@ fn power_of_two(x: f64) -> u32 {
 struct Said {
     /// 1 where the asset covers the pixel.
     covered: f64,
-    /// Displayed deviation of a single sample.
-    deviation: f64,
+    /// Deviations of a single sample: as displayed, and for relMSE.
+    deviations: [f64; 2],
 }
 
 impl Said {
@@ -152,20 +155,28 @@ impl Said {
         if !(parts.mean[3] > 0.0) {
             return Self::default();
         }
-        let square = square_difference(&parts, display, opaque) * f64::from(pixel.samples());
-        Self { covered: 1.0, deviation: if square.is_finite() { square.sqrt() } else { 0.0 } }
+        let squares = [displayed::square_difference(&parts, display, opaque), relmse::square_difference(&parts)];
+        let of_one = |square: f64| (square * f64::from(pixel.samples())).sqrt();
+        Self { covered: 1.0, deviations: squares.map(|s| if s.is_finite() { of_one(s) } else { 0.0 }) }
+    }
+
+    /// Both deviations in one, each measured by that of all pixels.
+    fn relative_to(&self, whole: &Self) -> f64 {
+        let share = |k: usize| self.deviations[k] / self.covered / (whole.deviations[k] / whole.covered);
+        let square = |k: usize| if whole.deviations[k] > 0.0 { share(k) * share(k) } else { 0.0 };
+        if self.covered > 0.0 { (square(0) + square(1)).sqrt() } else { 0.0 }
     }
 }
 
 impl std::ops::AddAssign for Said {
     fn add_assign(&mut self, other: Self) {
         self.covered += other.covered;
-        self.deviation += other.deviation;
+        (0..2).for_each(|k| self.deviations[k] += other.deviations[k]);
     }
 }
 
-/// The mean deviation over the pixels around each pixel without itself.
-fn around(said: &[Said], width: usize) -> Vec<f64> {
+/// The sums over the pixels around each pixel without itself.
+fn around(said: &[Said], width: usize) -> Vec<Said> {
     let height = said.len() / width.max(1);
     let near = |at: usize, size: usize| at.saturating_sub(RADIUS)..(at + RADIUS + 1).min(size);
     let sum = |all: &[Said]| {
@@ -181,7 +192,7 @@ fn around(said: &[Said], width: usize) -> Vec<f64> {
         let mut total = sum(&row[near(x, width).start..x]);
         total += sum(&row[x + 1..near(x, width).end]);
         near(y, height).filter(|other| *other != y).for_each(|other| total += across[other * width + x]);
-        if total.covered > 0.0 { total.deviation / total.covered } else { 0.0 }
+        total
     };
     (0..said.len()).into_par_iter().map(pixel).collect()
 }
