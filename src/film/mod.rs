@@ -171,7 +171,7 @@ impl Film {
         }
         move |pixel| {
             let ((all, met), rays) = (paths[square(pixel)], self.rays[square(pixel)] as f64);
-            if met > 0.0 { 1.0 + self.pixels[pixel].mean()[3] * (rays - all) / met } else { 1.0 }
+            if met > 0.0 { 1.0 + self.pixels[pixel].mean()[3] * (rays - all).max(0.0) / met } else { 1.0 }
         }
     }
 

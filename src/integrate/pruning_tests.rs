@@ -156,7 +156,7 @@ fn bits(scene: &Scene, know: Knowledge) -> Vec<[u64; 4]> {
     let view = View { camera, width: 12, height: 12, show_environment: true };
     let settings = RenderSettings { spp: 8, ..RenderSettings::default() };
     let film = render(&prepared, &view, &settings, &control).expect("not stopped").film;
-    film.pixels.iter().map(|pixel| pixel.mean(film.spp).map(f64::to_bits)).collect()
+    film.pixels.iter().map(|pixel| pixel.mean().map(f64::to_bits)).collect()
 }
 
 #[test]

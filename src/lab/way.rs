@@ -136,6 +136,7 @@ impl Way {
         own.render.max_depth = self.max_depth.unwrap_or(own.render.max_depth);
         own.render.light_samples = self.light_samples.unwrap_or(own.render.light_samples);
         own.render.roulette_after = self.roulette.unwrap_or(own.render.roulette_after);
+        own.render.adaptive = self.adaptive.unwrap_or(own.render.adaptive);
         own.prepare.effects = self.effects.unwrap_or(own.prepare.effects);
         if let Some(preset) = self.preset {
             (own.goal, own.render.spp) = preset.goal();

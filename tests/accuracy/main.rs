@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may come from std's functions")]
 
+mod adaptive;
 mod calibration;
 #[path = "../common/mod.rs"]
 mod common;

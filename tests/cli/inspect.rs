@@ -64,7 +64,8 @@ fn its_json_is_documented_and_tells_what_the_file_says_of_itself() {
     for key in &printed {
         assert!(listed.contains(key), "{key} is not documented");
     }
-    for key in listed {
+    // What --measure adds is not asked for here.
+    for key in listed.into_iter().filter(|key| *key != "measured") {
         assert!(printed.contains(&key), "{key} is documented and not printed");
     }
     for list in ["materials", "textures", "lights", "cameras", "contents", "warnings"] {
