@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Pruned and full renderer over folders: `python3 scripts/effects_equal.py KILN OUT FOLDER… [-- OPTIONS OF kiln batch]`.
 
-Renders everything twice, as the scenes call for it and with `--effects all`, and compares the EXR files byte for byte (all layers; the
-metadata, too, but for CPU seconds). Prints what differs, and the CPU seconds of both, asset by asset, as a Markdown table.
+Renders everything twice, as the scenes call for it and with `--effects all`, and compares the EXR files byte for byte, all layers and all
+metadata. Then measures both ways on each asset, in turn (`kiln inspect --effects --measure`), and prints a Markdown table. With
+`--gains-only` before KILN the pictures of an earlier run are taken.
 """
 import json
 import statistics
@@ -14,37 +15,69 @@ from pathlib import Path
 def batch(kiln, out, folders, options, effects):
     command = [kiln, "batch", *folders, "--out", out, "--effects", effects, "--format", "exr", "--quiet", *options]
     subprocess.run(command, check=False)
+
+
+def records(out):
     lines = (out / "manifest.jsonl").read_text().splitlines()
     return {record["input"]: record for record in map(json.loads, lines) if "input" in record}
 
 
-def main(kiln, out, *rest):
-    cut = rest.index("--") if "--" in rest else len(rest)
-    folders, options = rest[:cut], list(rest[cut + 1:])
-    out = Path(out)
-    sets = {effects: batch(kiln, out / effects, folders, options, effects) for effects in ("auto", "all")}
-    equal, differ, gains = 0, [], []
+def compare(out):
+    sets = {effects: records(out / effects) for effects in ("auto", "all")}
+    equal, differ = [], []
     for name, pruned in sorted(sets["auto"].items()):
         full = sets["all"].get(name, {})
         if pruned.get("status") != full.get("status"):
             differ.append(f"{name}: {pruned.get('status')} and {full.get('status')}")
         for file in [o["path"] for o in pruned.get("outputs") or [] if o["path"].endswith(".exr")]:
-            if (out / "auto" / file).read_bytes() == (out / "all" / file).read_bytes():
-                equal += 1
-            else:
-                differ.append(f"{name}: {file}")
-        seconds = [record.get("cpu_seconds", {}).get("render") for record in (pruned, full)]
-        if all(seconds):
-            gains.append((seconds[1] / seconds[0], name, seconds))
-    print(f"{equal} EXR files are equal byte for byte, {len(differ)} are not" + "".join(f"\n- {d}" for d in differ))
-    gains.sort(reverse=True)
-    ratios = [gain for gain, _, _ in gains]
-    quartiles = statistics.quantiles(ratios, n=4)
-    print(f"\nCPU of rendering, full over pruned: best {ratios[0]:.2f}, quartiles {quartiles[2]:.2f}, {quartiles[1]:.2f}, {quartiles[0]:.2f}, worst {ratios[-1]:.2f}\n")
-    print("| asset | pruned, s | full, s | gain |\n| --- | --- | --- | --- |")
-    for gain, name, (pruned, full) in gains:
-        print(f"| {Path(name).name} | {pruned:.2f} | {full:.2f} | {gain:.2f} |")
-    return not differ
+            same = (out / "auto" / file).read_bytes() == (out / "all" / file).read_bytes()
+            (equal if same else differ).append(name)
+    print(f"{len(equal)} EXR files are equal byte for byte, {len(differ)} are not" + "".join(f"\n- {d}" for d in differ), flush=True)
+    return equal + differ, not differ
+
+
+def measure(kiln, folders, names):
+    """Gain, bytes a triangle held and full, effects, for each asset."""
+    rows = []
+    for name in dict.fromkeys(names):
+        path = next((p for p in (Path(folder).parent / name for folder in folders) if p.exists()), None)
+        out = path and subprocess.run([kiln, "inspect", path, "--effects", "--measure", "--json"], capture_output=True, text=True).stdout
+        if not out:
+            continue
+        facts = json.loads(out)
+        m, held = facts["measured"], facts["attribute_bytes"]
+        triangles = max(1, facts["kdtree"]["triangles"])
+        effects = [e["effect"] for e in facts["effects"]]
+        rows.append((m["full_cpu_seconds"] / m["pruned_cpu_seconds"], name, m, [held[k] / triangles for k in ("held", "full")], effects))
+        print(f"{len(rows)}: {name} {rows[-1][0]:.2f}", file=sys.stderr, flush=True)
+    return sorted(rows, reverse=True, key=lambda row: row[0])
+
+
+def table(rows):
+    def figures(rows):
+        gains = [row[0] for row in rows]
+        low, middle, high = statistics.quantiles(gains, n=4) if len(gains) > 1 else gains * 3
+        return f"{len(gains)} | {max(gains):.2f} | {high:.2f} | {middle:.2f} | {low:.2f} | {min(gains):.2f} |"
+
+    plain = [r for r in rows if not {"textures", "alpha-cutouts", "alpha-blending"} & set(r[4])]
+    print("| CPU of rendering, full over pruned | assets | best | upper quartile | median | lower quartile | worst |\n| --- | --- | --- | --- | --- | --- | --- |")
+    print(f"| all | {figures(rows)}\n| without texture and alpha | {figures(plain)}")
+    print(f"\nNot the same bits: {[r[1] for r in rows if not r[2]['same_bits']] or 'none'}\n")
+    print("| asset | gain | pruned, ms | full, ms | attributes, bytes a triangle | all of them | effects |\n| --- | --- | --- | --- | --- | --- | --- |")
+    for gain, name, m, (held, full), effects in rows:
+        print(f"| {Path(name).name} | {gain:.2f} | {1e3 * m['pruned_cpu_seconds']:.1f} | {1e3 * m['full_cpu_seconds']:.1f} | {held:.0f} | {full:.0f} | {' '.join(effects)} |")
+
+
+def main(*arguments):
+    again = arguments[0] == "--gains-only"
+    kiln, out, *rest = arguments[again:]
+    cut = rest.index("--") if "--" in rest else len(rest)
+    folders, options = rest[:cut], list(rest[cut + 1:])
+    for effects in () if again else ("auto", "all"):
+        batch(kiln, Path(out) / effects, folders, options, effects)
+    names, good = compare(Path(out))
+    table(measure(kiln, folders, names))
+    return good
 
 
 if __name__ == "__main__":

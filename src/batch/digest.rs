@@ -1,4 +1,4 @@
-use crate::settings::{EnvironmentSettings, Settings};
+use crate::settings::{EffectSet, EnvironmentSettings, Settings};
 use kiln_formats::{Control, FileRead};
 use std::fs::File;
 use std::io::{self, Read};
@@ -47,7 +47,7 @@ pub fn of_read(files: &[FileRead]) -> String {
 
 /// `blake3:` and the hash of the canonical JSON (sorted keys, no blanks) of all settings that pictures depend on.
 ///
-/// The instruction set is left out, for it changes no pixel, and so is the time allowed: a picture that was finished within
+/// The instruction set and forced effects are left out, for they change no pixel, and so is the time allowed: a picture that was finished within
 /// it is the picture without it, and one that was not says so. An environment file counts by its content.
 ///
 /// # Errors
@@ -55,6 +55,7 @@ pub fn of_read(files: &[FileRead]) -> String {
 pub fn of_settings(settings: &Settings, environment_digest: Option<&str>) -> serde_json::Result<String> {
     let mut settings = settings.clone();
     settings.prepare.simd = Default::default();
+    settings.prepare.effects.forced = EffectSet::default();
     settings.goal.time = None;
     if let (EnvironmentSettings::File(file), Some(digest)) = (&mut settings.environment, environment_digest) {
         file.path = PathBuf::from(digest);
@@ -75,6 +76,7 @@ mod tests {
         let mut other = plain.clone();
         other.prepare.simd = SimdTier::Scalar;
         other.goal.time = Some(3.0);
+        other.prepare.effects.forced = EffectSet::all();
         assert_eq!(hash(&plain), hash(&other));
         other.render.seed = 1;
         assert_ne!(hash(&plain), hash(&other));
