@@ -3,7 +3,7 @@
 
 Works on a copy of HEAD in the folder WORK, where every mutation of scripts/mutations.py is compiled in behind a switch (the
 variable KILN_MUTATION), so that one build serves all. Prints a Markdown table. Checks that take long run only for the
-mutations that name them. Both integrators run them: paths one by one, and side by side in lanes. Named checks must fail by both.
+mutations that name them; where mutations are asked for by name, only the checks that these name. Both integrators run them: paths one by one, and side by side in lanes. Named checks must fail by both.
 """
 import json
 import os
@@ -74,6 +74,11 @@ def named(case, expected):
 
 def table(kiln, checks, names):
     print("| mutation | remedy taken away | checks that fail | in lanes | named ones among both |\n| --- | --- | --- | --- | --- |", flush=True)
+    if names:
+        patterns = " ".join(expected for name, _, _, expected in MUTATIONS if name in names)
+        for file in checks.glob("*.toml"):
+            if not named(file.stem, patterns):
+                file.unlink()
     untouched = rows(kiln, 0, checks, "plain")
     bad = failing(untouched)
     print(f"| (none) | | {len(bad)} | | {'yes' if not bad else 'NO: ' + ', '.join(bad)} |", flush=True)
@@ -106,5 +111,6 @@ if __name__ == "__main__":
     if sys.argv[2:] == ["build"]:
         sys.exit(0)
     # A copy: the folder may change while this runs.
-    checks = shutil.copytree(ROOT / "scenes" / "checks", work / "checks", dirs_exist_ok=True)
+    shutil.rmtree(work / "checks", ignore_errors=True)
+    checks = shutil.copytree(ROOT / "scenes" / "checks", work / "checks")
     sys.exit(0 if table(program, checks, sys.argv[2:]) else 1)
