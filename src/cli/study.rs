@@ -129,12 +129,12 @@ impl StudyCommand {
     pub fn run(self) -> Result<Exit, Fatal> {
         let list = self.ways.as_deref().unwrap_or(if self.effects { "kiln" } else { "usual" });
         let mut ways = ways(list, &self.way).map_err(Fatal::usage)?;
-        if self.effects {
-            ways.extend(effect_ways(self.called()?));
-        }
         let settings = self.settings()?;
         let environment = environment(&settings)?;
         super::options::start_threads(self.threads)?;
+        if self.effects {
+            ways.extend(effect_ways(self.called()));
+        }
         let output = Output { folder: self.out.clone(), stem: PathBuf::new(), ending: None };
         let job = |asset: &PathBuf| Job {
             input: asset.clone(),
@@ -180,19 +180,18 @@ impl StudyCommand {
         })
     }
 
-    /// The effects that any of the assets calls for.
-    fn called(&self) -> Result<Vec<Effect>, Fatal> {
+    /// The effects that any of the assets calls for; of those that cannot be read the study tells itself.
+    fn called(&self) -> Vec<Effect> {
         let mut called = BTreeSet::new();
         for asset in &self.assets {
             let options = ImportOptions { root: self.root.clone(), ..ImportOptions::default() };
-            let mut scene = import(asset, &options, &Control::default())
-                .map_err(|e| Fatal::failed(format!("{}: {e}", asset.display())))?
-                .scene;
+            let Ok(imported) = import(asset, &options, &Control::default()) else { continue };
+            let mut scene = imported.scene;
             normalise(&mut scene);
             let drawn = vec![1.0; scene.meshes.len()];
             called.extend(called_for(&scene, &drawn).iter().map(|called| called.effect));
         }
-        Ok(called.into_iter().collect())
+        called.into_iter().collect()
     }
 
     fn settings(&self) -> Result<Settings, Fatal> {

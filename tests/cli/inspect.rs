@@ -34,6 +34,13 @@ fn it_names_the_effects_and_what_is_left_away() {
         assert!(text.contains(told), "{told} in {text}");
     }
     assert!(!text.contains("alpha-blending"), "{text}");
+    let facts = shown(&["inspect", "a.gltf", "--effects", "--measure", "--json"]);
+    let facts: Value = serde_json::from_str(&facts).expect("JSON");
+    assert_eq!(facts["measured"]["same_bits"], true, "{facts}");
+    assert_eq!(
+        (facts["attribute_bytes"]["held"].as_u64(), facts["attribute_bytes"]["full"].as_u64()),
+        (Some(0), Some(180))
+    );
     shown(&["render", "a.gltf", "--spp", "1", "--width", "8", "--effects", "-metal,-culling", "-o", "a.png"]);
     let output = kiln(dir.path(), &["render", "a.gltf", "--effects", "-brilliance"]);
     assert_eq!(code(&output), 2);

@@ -1,4 +1,4 @@
-use crate::support::{OBJ, code, command, files, folder, kiln, stderr};
+use crate::support::{OBJ, code, command, files, folder, gltf, kiln, stderr};
 use serde_json::Value;
 use std::fs;
 use std::process::Stdio;
@@ -43,6 +43,23 @@ fn a_study_leaves_a_report_that_needs_nothing_else() {
     for name in ["plots/a.obj.rmse.svg", "plots/a.obj.rmse.png", "strips/a.obj.samples.png", "references/a.obj.exr"] {
         assert!(written.iter().any(|f| f == name), "{name} is not among {written:?}");
     }
+}
+
+#[test]
+fn effects_are_priced_and_all_of_them_give_the_same_picture() {
+    let dir = folder(&[("a.gltf", &gltf()), ("broken.obj", "f 1 2 3\n")]);
+    let output = study(dir.path(), &["a.gltf", "broken.obj", "--out", "out", "--effects", "--reference-spp", "16"]);
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+    let json: Value =
+        serde_json::from_slice(&fs::read(dir.path().join("out/study.json")).expect("JSON")).expect("JSON");
+    let first = |way: &str| {
+        let cells = json["assets"][0]["cells"].as_array().expect("cells");
+        let cell =
+            cells.iter().find(|c| c["way"] == way && c["spp"] == 1).unwrap_or_else(|| panic!("{way}: {cells:?}"));
+        cell["rmse"].as_f64().expect("rmse")
+    };
+    assert_eq!(first("kiln"), first("all-effects"));
+    assert!(first("no-metal") > 0.0);
 }
 
 #[test]
