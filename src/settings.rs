@@ -94,6 +94,20 @@ pub enum Adaptive {
     Variance,
 }
 
+/// Whether triangles that several nodes draw are kept once, with one tree for all of them. Does not change pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum Instances {
+    /// Where it saves much memory.
+    #[default]
+    Auto,
+    /// Wherever it can be done.
+    Always,
+    /// Every node has triangles of its own.
+    Never,
+}
+
 /// The instruction set of the hot loops. Every tier gives the same pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -115,6 +129,8 @@ pub enum SimdTier {
 pub struct PrepareSettings {
     /// How the kd-tree is built.
     pub kdtree: KdTreeBuilder,
+    /// Whether triangles that several nodes draw are kept once. Does not change pixels.
+    pub instances: Instances,
     /// Every point light becomes a soft light of this radius (world units): the 2018 switch.
     pub point_lights: Option<f64>,
     /// `area_light`s become true sphere emitters instead of "point shading × visible fraction".

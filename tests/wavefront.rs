@@ -7,11 +7,11 @@ mod common;
 use common::everything::everything;
 use common::{add, cube, lambert, shoot, sphere, square, view};
 use glam::{DAffine3, DVec3};
-use kiln::Scene;
-use kiln::formats::scene::{ColorInput, Light, LightKind, Material, Mesh, MetalRough, ScalarInput, Surface};
-use kiln::integrate::{Rendered, View};
-use kiln::prepare::EnvironmentSource;
-use kiln::settings::{Integrator, PrepareSettings, RenderSettings, SamplerKind, SimdTier, Strategy};
+use kiln::formats::scene::{ColorInput, Instance, Light, LightKind, Material, Mesh, MetalRough, ScalarInput, Surface};
+use kiln::integrate::{Rendered, View, render};
+use kiln::prepare::{EnvironmentSource, prepare};
+use kiln::settings::{Instances, Integrator, PrepareSettings, RenderSettings, SamplerKind, SimdTier, Strategy};
+use kiln::{Control, Scene};
 
 /// Renders with both integrators, and compares each channel of each pixel. Where two numbers are nearly equal, rounding may
 /// decide for another lobe or let a ray pass an edge on the other side; such pixels must be rare.
@@ -127,5 +127,42 @@ fn every_tier_and_number_of_threads_gives_the_same_bytes() {
         for (simd, threads) in [(SimdTier::Avx2, 2), (SimdTier::Avx512, 1), (SimdTier::Auto, 5)] {
             assert_eq!(first, shoot_with(&scene, simd, threads), "{simd:?}, {threads} threads");
         }
+    }
+}
+
+/// The scene with every mesh twice more: smaller, mirrored and sheared, in other places.
+fn with_copies(mut scene: Scene) -> Scene {
+    let mirrored = DAffine3::from_scale(DVec3::new(-0.3, 0.4, 0.35));
+    let sheared = DAffine3::from_cols(
+        DVec3::new(0.3, 0.1, 0.0),
+        DVec3::new(-0.05, 0.25, 0.1),
+        DVec3::new(0.1, 0.0, 0.3),
+        DVec3::ZERO,
+    );
+    for instance in scene.instances.clone() {
+        for (map, place) in [(mirrored, DVec3::new(0.3, 0.2, 0.1)), (sheared, DVec3::new(-0.4, -0.2, 0.3))] {
+            let transform = DAffine3::from_translation(place) * map * instance.transform;
+            scene.instances.push(Instance { transform, ..instance.clone() });
+        }
+    }
+    scene
+}
+
+#[test]
+fn triangles_that_placements_share_give_the_same_bytes() {
+    let view = view(DVec3::new(0.1, 0.1, 0.95), DVec3::new(0.0, -0.4, -0.6), 80.0, 33);
+    for (scene, integrator) in
+        [(everything(), Integrator::Path), (everything(), Integrator::Plain), (rough(), Integrator::Path)]
+    {
+        let scene = with_copies(scene);
+        let settings = RenderSettings { spp: 6, max_depth: 6, integrator, ..RenderSettings::default() };
+        let [shared, copied] = [Instances::Always, Instances::Never].map(|instances| {
+            let settings = PrepareSettings { instances, ..PrepareSettings::default() };
+            prepare(scene.clone(), &EnvironmentSource::Studio, &settings, &Control::default()).expect("not stopped")
+        });
+        assert!(shared.kdtree_statistics().instances > 10 && copied.kdtree_statistics().instances == 0);
+        let film = |prepared| render(prepared, &view, &settings, &Control::default()).expect("done").film;
+        assert!(film(&shared) == film(&copied), "{integrator:?}");
+        assert_eq!(shared.emitters, copied.emitters);
     }
 }

@@ -11,7 +11,7 @@ use kiln::batch::{AssetFacts, MaterialFacts, TextureFacts, lights_itself};
 use kiln::formats::scene::Projection;
 use kiln::formats::{Contents, ErrorCode, Format, ImportOptions, import};
 use kiln::prepare::{EnvironmentSource, prepare};
-use kiln::settings::{KdTreeBuilder, PrepareSettings, SimdTier};
+use kiln::settings::{Instances, KdTreeBuilder, PrepareSettings, SimdTier};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -49,6 +49,9 @@ pub struct InspectCommand {
     /// How the kd-tree is built
     #[arg(long, value_enum, default_value_t, value_name = "BUILDER")]
     kdtree: KdTreeBuilder,
+    /// Whether triangles that several nodes draw are kept once
+    #[arg(long, value_enum, default_value_t)]
+    instances: Instances,
     /// The instructions that tracing may use
     #[arg(long, value_enum, default_value_t, value_name = "TIER")]
     simd: SimdTier,
@@ -75,7 +78,12 @@ impl InspectCommand {
         let own_light = lights_itself(&imported.scene, format);
         let facts = AssetFacts::of(format, &imported);
         let environment = if own_light { EnvironmentSource::None } else { EnvironmentSource::Studio };
-        let settings = PrepareSettings { kdtree: self.kdtree, simd: self.simd, ..PrepareSettings::default() };
+        let settings = PrepareSettings {
+            kdtree: self.kdtree,
+            instances: self.instances,
+            simd: self.simd,
+            ..PrepareSettings::default()
+        };
         let prepared = prepare(imported.scene, &environment, &settings, &control)
             .map_err(|_| Fatal::failed(format!("{name}: {}", ErrorCode::Stopped.as_str())))?;
         let tree = prepared.kdtree_statistics();
@@ -109,8 +117,12 @@ impl InspectCommand {
                 0 => String::new(),
                 n => format!("; {n} triangles without area are left out"),
             };
+            let shared = match tree.instances {
+                0 => String::new(),
+                n => format!(", {n} instances share trees"),
+            };
             print_line(&format!(
-                "kd-tree    {} nodes, {} leaves, depth {}, {} references to {} triangles, {:.1} MB in {:.3} s{left_out}",
+                "kd-tree    {} nodes, {} leaves, depth {}, {} references to {} triangles, {:.1} MB in {:.3} s{shared}{left_out}",
                 tree.nodes,
                 tree.leaves,
                 tree.depth,

@@ -3,8 +3,8 @@ use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::settings::{
-    Adaptive, Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Integrator,
-    KdTreeBuilder, Layer, LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset,
+    Adaptive, Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Instances,
+    Integrator, KdTreeBuilder, Layer, LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset,
     RenderSettings, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
 };
 use std::path::PathBuf;
@@ -98,6 +98,9 @@ pub struct SettingOptions {
     /// How the kd-tree is built
     #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
     kdtree: KdTreeBuilder,
+    /// Whether triangles that several nodes draw are kept once; does not change the pictures
+    #[arg(long, value_enum, default_value_t, help_heading = "Machine")]
+    instances: Instances,
     /// Every point light becomes a soft light of this radius [1 unless given]
     #[arg(long, value_name = "RADIUS", num_args = 0..=1, default_missing_value = "1", value_parser = radius, help_heading = "Sampling")]
     point_lights: Option<f64>,
@@ -193,6 +196,7 @@ impl SettingOptions {
             environment: environment.unwrap_or_default(),
             prepare: PrepareSettings {
                 kdtree: self.kdtree,
+                instances: self.instances,
                 point_lights: self.point_lights,
                 physical_lights: self.physical_lights,
                 simd: self.simd,

@@ -2,12 +2,16 @@
 
 mod coverage;
 pub mod emission;
+mod parts;
 mod pyramid;
+mod shapes;
 pub mod textures;
 mod triangles;
 mod world;
 
 pub use coverage::coverage;
+pub use parts::Part;
 pub use pyramid::Pyramids;
-pub use triangles::{Attributes, Geometry, Part};
+pub use shapes::{Shape, Sharing};
+pub use triangles::{Attributes, Geometry};
 pub use world::{WorldFrame, world_bounds};

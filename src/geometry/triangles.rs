@@ -1,28 +1,17 @@
 use super::WorldFrame;
-use glam::{DVec3, Mat3, Vec2, Vec3, Vec4};
+use super::parts::{Part, PartIndex, Store};
+use super::shapes::{Shape, Shared, Sharing, normal_of};
+use crate::math::Placement;
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use kiln_formats::Scene;
 use kiln_formats::scene::{MaterialId, Mesh};
 
-/// One placement of a mesh: a run of triangles with the attributes of one mesh.
-#[derive(Clone, Debug)]
-pub struct Part {
-    /// Index of the mesh in the scene.
-    pub mesh: u32,
-    /// The first of its triangles in [`Geometry`].
-    pub first_triangle: u32,
-    /// Where the normals of its vertices begin in [`Geometry::vertex_normals`], if it has any, and where its vertices begin.
-    normals_from: Option<(u32, u32)>,
-    /// Object directions to world directions (for tangents).
-    direction_matrix: Mat3,
-    /// −1 where the placement mirrors the mesh and clockwise corners show the front, else 1.
-    winding: f32,
-}
-
-/// All triangles in the rays' frame. Positions are copied, once for each placement; attributes
-/// are read from the scene's meshes.
+/// All triangles in the rays' frame. Positions are copied, once for each placement that does not share a [`Shape`] with
+/// others; attributes are read from the scene's meshes.
 #[derive(Debug, Default)]
 pub struct Geometry {
     positions: Vec<Vec3>,
+    /// Corners of the triangles that are not shared; likewise the next rows but one.
     corners: Vec<[u32; 3]>,
     /// Unit normals on the front.
     normals: Vec<Vec3>,
@@ -31,11 +20,22 @@ pub struct Geometry {
     vertex_normals: Vec<Vec3>,
     /// Index of each triangle within its mesh.
     local: Vec<u32>,
-    part_of: Vec<u32>,
     /// Placements, in the scene's order.
     pub parts: Vec<Part>,
+    index: PartIndex,
+    shapes: Vec<Shape>,
+    /// All triangles.
+    count: u32,
     /// Triangles left out because they have no area.
     pub degenerate: u64,
+}
+
+/// Where a triangle is kept.
+enum At<'a> {
+    /// Its number among those that are not shared.
+    Own(usize),
+    /// Its placement, shape, and number in the shape.
+    Shared(&'a Part, &'a Shape, usize),
 }
 
 /// Attributes of a mesh at a point of a triangle.
@@ -54,76 +54,123 @@ pub struct Attributes {
 impl Geometry {
     /// Places all meshes in the world. Triangles without area, and with coordinates beyond `f32`, are left out.
     pub fn new(scene: &Scene, frame: &WorldFrame) -> Self {
-        let vertices: usize = scene.instances.iter().map(|i| scene.meshes[i.mesh as usize].positions.len()).sum();
-        let triangles = usize::try_from(scene.triangle_count()).unwrap_or(0);
+        Self::sharing(scene, frame, &Sharing::NEVER)
+    }
+
+    /// The same, with triangles shared where that is worth it; whatever is asked of it, the answers are the same, bit for bit.
+    pub fn sharing(scene: &Scene, frame: &WorldFrame, sharing: &Sharing) -> Self {
+        let placements: Vec<Placement> = scene.instances.iter().map(|i| frame.placement(&i.transform)).collect();
+        let shared = Shared::find(scene, &placements, sharing);
+        let copied = || scene.instances.iter().zip(&shared.of_instance).filter(|(_, shape)| shape.is_none());
+        let meshes = || copied().map(|(instance, _)| &scene.meshes[instance.mesh as usize]);
+        let triangles = meshes().map(|mesh| mesh.triangles.len()).sum();
         let mut all = Self {
-            positions: Vec::with_capacity(vertices),
+            positions: Vec::with_capacity(meshes().map(|mesh| mesh.positions.len()).sum()),
             corners: Vec::with_capacity(triangles),
             normals: Vec::with_capacity(triangles),
             local: Vec::with_capacity(triangles),
-            part_of: Vec::with_capacity(triangles),
+            parts: Vec::with_capacity(scene.instances.len()),
+            shapes: shared.shapes,
             ..Self::default()
         };
-        for instance in &scene.instances {
-            let mesh = &scene.meshes[instance.mesh as usize];
-            let first_vertex = all.positions.len() as u32;
-            let place = |p: &[f32; 3]| {
-                let [x, y, z] = p.map(f64::from);
-                frame.point(instance.transform.transform_point3(DVec3::new(x, y, z)))
+        for ((instance, placement), shape) in scene.instances.iter().zip(placements).zip(shared.of_instance) {
+            let store = match shape {
+                Some((shape, bounds)) => Store::Shape { shape, bounds },
+                None => Store::Own { first: all.corners.len() as u32, normals_from: None },
             };
-            all.positions.extend(mesh.positions.iter().map(place));
-            // Cofactors, det·M⁻ᵀ, instead of the inverse transpose: right for singular matrices too.
-            let m = instance.transform.matrix3;
-            let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
-            let size = x.abs().max(y.abs()).max(z.abs()).max_element();
-            let unit = if size > 0.0 && size.is_finite() { 1.0 / size } else { 1.0 };
-            let (x, y, z) = (x * unit, y * unit, z * unit);
-            let winding = if x.cross(y).dot(z) < 0.0 { -1.0 } else { 1.0 };
-            let normals = [y.cross(z), z.cross(x), x.cross(y)].map(|n| n.as_vec3() * winding);
-            let normal_matrix = Mat3::from_cols(normals[0], normals[1], normals[2]);
-            let first_normal = all.vertex_normals.len() as u32;
-            // Unit length first: files hold normals of any length, and each is one vote.
-            let vote = |n: &[f32; 3]| normal_matrix * Vec3::from(*n).normalize_or_zero();
-            all.vertex_normals.extend(mesh.normals.iter().map(vote));
-            let part = Part {
-                mesh: instance.mesh,
-                first_triangle: all.corners.len() as u32,
-                normals_from: (!mesh.normals.is_empty()).then_some((first_normal, first_vertex)),
-                direction_matrix: Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()),
-                winding,
-            };
-            for (k, t) in mesh.triangles.iter().enumerate() {
-                let corners = t.map(|i| first_vertex + i);
-                let [a, b, c] = corners.map(|i| all.positions[i as usize].as_dvec3());
-                let normal = (b - a).cross(c - a);
-                // Double precision: products of f32 differences cannot underflow to zero there.
-                if normal.is_finite() && normal != DVec3::ZERO {
-                    all.corners.push(corners);
-                    all.normals.push((normal * f64::from(winding)).normalize().as_vec3());
-                    all.local.push(k as u32);
-                    all.part_of.push(all.parts.len() as u32);
-                } else {
-                    all.degenerate += 1;
-                }
+            let part = Part::new(instance.mesh, all.count, &instance.transform, placement, store);
+            match shape {
+                Some((shape, _)) => all.add_shared(part, shape),
+                None => all.add_own(part, &scene.meshes[instance.mesh as usize]),
             }
-            all.parts.push(part);
         }
+        all.index = PartIndex::new(&all.parts, all.count);
         all
+    }
+
+    fn add_shared(&mut self, part: Part, shape: u32) {
+        let shape = &self.shapes[shape as usize];
+        self.count += shape.len() as u32;
+        self.degenerate += shape.degenerate;
+        self.parts.push(part);
+    }
+
+    fn add_own(&mut self, mut part: Part, mesh: &Mesh) {
+        let first_vertex = self.positions.len() as u32;
+        self.positions.extend(mesh.positions.iter().map(|p| part.placement.point(*p)));
+        let first_normal = self.vertex_normals.len() as u32;
+        // Unit length first: files hold normals of any length, and each is one vote.
+        let vote = |n: &[f32; 3]| part.normal_matrix * Vec3::from(*n).normalize_or_zero();
+        self.vertex_normals.extend(mesh.normals.iter().map(vote));
+        let first = self.corners.len() as u32;
+        let normals_from = (!mesh.normals.is_empty()).then_some((first_normal, first_vertex));
+        part.store = Store::Own { first, normals_from };
+        for (k, t) in mesh.triangles.iter().enumerate() {
+            let corners = t.map(|i| first_vertex + i);
+            match normal_of(corners.map(|i| self.positions[i as usize])) {
+                Some(normal) => {
+                    self.corners.push(corners);
+                    self.normals.push(unit(normal, &part));
+                    self.local.push(k as u32);
+                }
+                None => self.degenerate += 1,
+            }
+        }
+        self.count += self.corners.len() as u32 - first;
+        self.parts.push(part);
     }
 
     /// Triangles.
     pub fn len(&self) -> usize {
-        self.corners.len()
+        self.count as usize
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.corners.is_empty()
+        self.count == 0
+    }
+
+    /// What several placements share.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// Placements that share a shape: the placement, its shape, and its box in the rays' frame.
+    pub fn shared_parts(&self) -> impl Iterator<Item = (&Part, u32, (Vec3, Vec3))> {
+        self.parts.iter().filter_map(|part| match part.store {
+            Store::Shape { shape, bounds } => Some((part, shape, bounds)),
+            Store::Own { .. } => None,
+        })
+    }
+
+    /// Numbers of the triangles that no other placement shares, in order.
+    pub fn own_triangles(&self) -> Vec<u32> {
+        let ends = self.parts.iter().skip(1).map(|part| part.first_triangle).chain([self.count]);
+        let runs = self.parts.iter().zip(ends).filter(|(part, _)| matches!(part.store, Store::Own { .. }));
+        runs.flat_map(|(part, end)| part.first_triangle..end).collect()
+    }
+
+    #[inline]
+    fn at(&self, triangle: u32) -> At<'_> {
+        if self.shapes.is_empty() { At::Own(triangle as usize) } else { self.at_among_shared(triangle) }
+    }
+
+    fn at_among_shared(&self, triangle: u32) -> At<'_> {
+        let part = self.part(triangle);
+        let number = triangle - part.first_triangle;
+        match part.store {
+            Store::Own { first, .. } => At::Own((first + number) as usize),
+            Store::Shape { shape, .. } => At::Shared(part, &self.shapes[shape as usize], number as usize),
+        }
     }
 
     /// The corners of a triangle.
+    #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        self.corners[triangle as usize].map(|i| self.positions[i as usize])
+        match self.at(triangle) {
+            At::Own(at) => self.corners[at].map(|i| self.positions[i as usize]),
+            At::Shared(part, shape, at) => shape.corners[at].map(|i| part.placement.point(shape.positions[i as usize])),
+        }
     }
 
     /// Normal on the front of a triangle, twice its area long (in double precision: it cannot underflow).
@@ -134,28 +181,34 @@ impl Geometry {
 
     /// Unit normal on the front of a triangle.
     pub fn unit_normal(&self, triangle: u32) -> Vec3 {
-        self.normals[triangle as usize]
+        match self.at(triangle) {
+            At::Own(at) => self.normals[at],
+            At::Shared(part, ..) => normal_of(self.corners(triangle)).map_or(Vec3::ZERO, |normal| unit(normal, part)),
+        }
     }
 
     /// The placement that a triangle belongs to.
     pub fn part(&self, triangle: u32) -> &Part {
-        &self.parts[self.part_of[triangle as usize] as usize]
+        &self.parts[self.index.find(triangle) as usize]
     }
 
     /// Index of the placement that a triangle belongs to.
     pub fn part_index(&self, triangle: u32) -> u32 {
-        self.part_of[triangle as usize]
+        self.index.find(triangle)
     }
 
     /// The mesh of a triangle, and the triangle's vertices in it.
     pub fn source<'s>(&self, scene: &'s Scene, triangle: u32) -> (&'s Mesh, [usize; 3]) {
         let mesh = &scene.meshes[self.part(triangle).mesh as usize];
-        (mesh, mesh.triangles[self.local[triangle as usize] as usize].map(|i| i as usize))
+        (mesh, mesh.triangles[self.number_in_mesh(triangle) as usize].map(|i| i as usize))
     }
 
     /// Number of a triangle within its mesh.
     pub fn number_in_mesh(&self, triangle: u32) -> u32 {
-        self.local[triangle as usize]
+        match self.at(triangle) {
+            At::Own(at) => self.local[at],
+            At::Shared(_, shape, at) => shape.local[at],
+        }
     }
 
     /// The material of a triangle.
@@ -193,8 +246,17 @@ impl Geometry {
     /// Normals at the corners of a triangle on its front, in the rays' frame and not of unit length, where the mesh has normals
     /// (zero where they are no vectors).
     pub fn corner_normals(&self, triangle: u32) -> Option<[Vec3; 3]> {
-        let (first_normal, first_vertex) = self.part(triangle).normals_from?;
-        Some(self.corners[triangle as usize].map(|i| self.vertex_normals[(i - first_vertex + first_normal) as usize]))
+        match self.at(triangle) {
+            At::Own(at) => {
+                let Store::Own { normals_from, .. } = self.part(triangle).store else { return None };
+                let (first_normal, first_vertex) = normals_from?;
+                Some(self.corners[at].map(|i| self.vertex_normals[(i - first_vertex + first_normal) as usize]))
+            }
+            At::Shared(_, shape, _) if shape.normals.is_empty() => None,
+            At::Shared(part, shape, at) => {
+                Some(shape.corners[at].map(|i| part.normal_matrix * shape.normals[i as usize]))
+            }
+        }
     }
 
     /// The vertex colour, at barycentric weights `b`: linear RGBA.
@@ -216,6 +278,11 @@ impl Geometry {
         });
         Attributes { uv: uv_at(mesh, v, b), color: color_at(mesh, v, b), normal, tangent }
     }
+}
+
+/// A normal on the front of a placement's triangle, of unit length.
+fn unit(normal: DVec3, part: &Part) -> Vec3 {
+    (normal * f64::from(part.winding)).normalize().as_vec3()
 }
 
 fn mix4(values: &[[f32; 4]], v: [usize; 3], b: [f32; 3]) -> Vec4 {

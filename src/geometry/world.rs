@@ -1,4 +1,5 @@
-use glam::{DVec3, Vec3};
+use crate::math::Placement;
+use glam::{DAffine3, DVec3, Vec3};
 use kiln_formats::Scene;
 use kiln_formats::scene::Mesh;
 
@@ -39,6 +40,18 @@ impl WorldFrame {
     /// A world point in the rays' frame, in double precision.
     pub fn exact_point(&self, world: DVec3) -> DVec3 {
         (world - self.center) * self.scale
+    }
+
+    /// The map from a mesh's coordinates, which `transform` takes to the world, to the rays' frame.
+    pub fn placement(&self, transform: &DAffine3) -> Placement {
+        let scaled = |axis: DVec3| axis * self.scale;
+        let m = transform.matrix3;
+        Placement::new(&DAffine3::from_cols(
+            scaled(m.x_axis),
+            scaled(m.y_axis),
+            scaled(m.z_axis),
+            self.exact_point(transform.translation),
+        ))
     }
 
     /// The world point of one in the rays' frame.

@@ -3,6 +3,7 @@
 pub mod chi2;
 pub mod float_error;
 mod frame;
+mod placement;
 mod ray;
 pub mod simd;
 pub mod spectrum;
@@ -15,6 +16,7 @@ mod warp_tests;
 use glam::Vec3;
 
 pub use frame::Frame;
+pub use placement::Placement;
 pub use ray::{Hit, Ray};
 
 /// Shares of linear Rec. 709 red, green and blue in relative luminance.

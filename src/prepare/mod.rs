@@ -2,6 +2,7 @@
 
 mod asks;
 mod called;
+mod instances;
 pub mod kdtree;
 mod parts;
 mod physical;
@@ -16,7 +17,7 @@ use crate::math::simd::SimdTier;
 use crate::settings::{EffectSet, PrepareSettings, SimdTier as AskedTier};
 pub(crate) use asks::Asks;
 use cpu_time::ThreadTime;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::{Control, Scene, Stopped};
 pub(crate) use parts::{PartWay, Way, bounds_body};
@@ -89,16 +90,6 @@ impl PreparedScene {
     }
 }
 
-impl kdtree::Triangles for Geometry {
-    fn len(&self) -> usize {
-        Geometry::len(self)
-    }
-
-    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
-        self.corners(triangle)
-    }
-}
-
 /// Whether the scene brings light of its own: lights, or surfaces whose emission has a factor above `least` (unlit ones do
 /// not count). What is black, and materials that nothing drawn has, bring none.
 pub fn has_own_light(scene: &Scene, least: f32) -> bool {
@@ -148,7 +139,7 @@ pub(crate) fn prepare_knowing(
     let bounds = world_bounds(&scene);
     let frame = WorldFrame::new(&scene, bounds);
     control.check()?;
-    let geometry = Geometry::new(&scene, &frame);
+    let geometry = Geometry::sharing(&scene, &frame, &instances::sharing(settings.instances));
     control.check()?;
     let environment = Environment::new(environment, scene.up);
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
@@ -162,7 +153,7 @@ pub(crate) fn prepare_knowing(
         simd: tier(settings.simd),
         planned_rays: settings.planned_rays,
     };
-    let tree = KdTree::build(&geometry, &options, control)?;
+    let tree = instances::build(&geometry, &options, control)?;
     let times = PrepareTimes {
         kdtree: start.elapsed().as_secs_f64(),
         kdtree_cpu: tree.statistics().build_cpu_seconds,

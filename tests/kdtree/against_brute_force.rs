@@ -32,11 +32,12 @@ fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
 }
 
 /// Lets through what a checkerboard on the triangle lets through: a cut-out.
-fn cut_out(hit: &Hit) -> bool {
+pub fn cut_out(hit: &Hit) -> bool {
     ((hit.b1 * 8.0) as u32 + (hit.b2 * 8.0) as u32 + hit.triangle).is_multiple_of(2)
 }
 
-fn check_ray(name: &str, tree: &KdTree, soup: &Soup, ray: &Ray) {
+/// Compares all ways of tracing a ray through a tree with brute force over its triangles.
+pub fn check_ray(name: &str, tree: &KdTree, soup: &Soup, ray: &Ray) {
     let expected = bits(brute_force(soup, ray, |_| true));
     let expected_cut = bits(brute_force(soup, ray, cut_out));
     assert_eq!(bits(tree.closest(ray, |_| true)), expected, "{name} {ray:?}");
@@ -54,7 +55,8 @@ fn lattice_directions() -> Vec<Vec3> {
     (0..27).map(digits).filter(|d| *d != Vec3::ZERO).collect()
 }
 
-fn rays(soup: &Soup, count: usize, seed: u64) -> Vec<Ray> {
+/// Rays of all kinds, many of them at corners and edges and parallel to axes.
+pub fn rays(soup: &Soup, count: usize, seed: u64) -> Vec<Ray> {
     let mut random = Random(seed);
     let directions = lattice_directions();
     let ends = [f32::INFINITY, 1e30, 1.0, 0.3];

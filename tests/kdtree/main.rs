@@ -5,5 +5,6 @@ mod against_brute_force;
 mod batches;
 mod builders;
 mod hostile;
+mod instances;
 mod leaks;
 mod meshes;

@@ -16,6 +16,13 @@ impl Triangles for Soup {
     }
 }
 
+impl Soup {
+    pub fn scaled(mut self, by: f32) -> Self {
+        self.0.as_flattened_mut().iter_mut().for_each(|corner| *corner *= by);
+        self
+    }
+}
+
 /// splitmix64.
 pub struct Random(pub u64);
 

@@ -2,8 +2,8 @@
 //!
 //! A batch finds, bit for bit, what its rays find one by one.
 
-use super::KdTree;
 use super::wide::packet::Packets;
+use super::{Form, KdTree};
 use crate::math::{Hit, Ray};
 use glam::Vec3;
 
@@ -158,11 +158,13 @@ impl KdTree {
             Coherence::Coherent => PACKETS_IF_COHERENT,
             Coherence::Scattered => PACKETS_IF_SCATTERED,
         };
-        let (kernel, tree) = (self.kernel, self.wide());
-        if self.statistics.references <= most {
-            self.lanes.run(Packets::<ANY, ALL, _, _> { kernel, tree, rays, stops, found });
-        } else {
-            kernel.trace::<ANY>(tree, rays, stops, found);
+        let kernel = self.kernel;
+        match &self.form {
+            Form::One(tree) if self.statistics.references <= most => {
+                self.lanes.run(Packets::<ANY, ALL, _, _> { kernel, tree: tree.wide(), rays, stops, found });
+            }
+            Form::One(tree) => kernel.trace::<ANY>(tree.wide(), rays, stops, found),
+            Form::Instances(all) => all.trace::<ANY>(kernel, rays, stops, found),
         }
     }
 }

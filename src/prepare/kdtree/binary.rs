@@ -2,6 +2,7 @@
 
 use super::bounds::Bounds;
 use super::built::{Built, BuiltKind};
+use super::instances::place::{AsIs, Place};
 use super::leaves::{Leaf, LeafStore};
 use super::slab::SlabRay;
 use super::split::{MAX_DEPTH, Plane};
@@ -70,13 +71,26 @@ pub struct Tree<'a> {
 }
 
 /// The nearest accepted hit, or with `any` whichever accepted hit is found first.
+pub fn nearest(tree: Tree, ray: &Ray, any: bool, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+    let mut nearest = Nearest::new(ray);
+    walk(tree, &ShearedRay::new(ray), &SlabRay::new(ray), &mut nearest, any, &mut AsIs, accept);
+    nearest.hit
+}
+
+/// Improves the nearest hit by what the tree holds. `slab` is the ray in the coordinates of the tree, `sheared` in those of
+/// the triangles as `place` gives them. With `any`, whether an accepted hit was found.
 ///
 /// Cells come in the order in which the ray passes them. A cell is left out when the ray passes it by, or enters it
 /// beyond the nearest hit; one that is entered *at* the nearest hit may hold a triangle of lower number.
-pub fn nearest(tree: Tree, ray: &Ray, any: bool, mut accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
-    let sheared = ShearedRay::new(ray);
-    let slab = SlabRay::new(ray);
-    let mut nearest = Nearest::new(ray);
+pub fn walk(
+    tree: Tree,
+    sheared: &ShearedRay,
+    slab: &SlabRay,
+    nearest: &mut Nearest,
+    any: bool,
+    place: &mut impl Place,
+    mut accept: impl FnMut(&Hit) -> bool,
+) -> bool {
     let mut limit = slab.scaled(nearest.t);
     let (enter, leave) = slab.interval(tree.bounds);
     let mut stack = [(0usize, 0.0f32, 0.0f32); MAX_DEPTH as usize + 2];
@@ -105,13 +119,15 @@ pub fn nearest(tree: Tree, ray: &Ray, any: bool, mut accept: impl FnMut(&Hit) ->
                 }
                 View::Leaf(leaf) => {
                     for block in tree.leaves.blocks(leaf) {
-                        for i in 0..block.len {
+                        let len = block.len;
+                        let block = place.place(block);
+                        for i in 0..len {
                             let Some(hit) = sheared.meet(block.corners(i), block.triangle(i)) else { continue };
                             if nearest.improves(&hit) && accept(&hit) {
                                 nearest.take(hit);
                                 limit = slab.scaled(hit.t);
                                 if any {
-                                    return nearest.hit;
+                                    return true;
                                 }
                             }
                         }
@@ -121,5 +137,5 @@ pub fn nearest(tree: Tree, ray: &Ray, any: bool, mut accept: impl FnMut(&Hit) ->
             }
         }
     }
-    nearest.hit
+    false
 }

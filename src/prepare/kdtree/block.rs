@@ -26,7 +26,7 @@ pub struct Block<'a> {
 
 /// Words that a block takes.
 #[inline(always)]
-pub fn words_of(len: usize, pool: usize) -> usize {
+pub const fn words_of(len: usize, pool: usize) -> usize {
     if pool == 0 { PLAIN * len } else { 3 * pool + INDICES + len }
 }
 
@@ -98,7 +98,9 @@ pub fn pool_size<T: Triangles>(ids: &[u32], triangles: &T) -> usize {
 /// Writes a block to `words`, which are as many as it takes.
 pub fn write<T: Triangles>(words: &mut [u32], ids: &[u32], pool: usize, triangles: &T) {
     let n = ids.len();
-    words[words_of(n, pool) - n..].copy_from_slice(ids);
+    for (word, &id) in words[words_of(n, pool) - n..].iter_mut().zip(ids) {
+        *word = triangles.number(id);
+    }
     if pool > 0
         && let Some(found) = Pool::find(ids, triangles)
     {

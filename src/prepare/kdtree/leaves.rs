@@ -9,6 +9,7 @@ use super::block::{self, Block, words_of};
 use super::built::{Built, BuiltKind};
 use super::cpu::CpuMeter;
 use super::split::BLOCK;
+use super::wide::collapse::Places;
 use rayon::prelude::*;
 
 /// Words of a grain, the unit in which places in the store are counted.
@@ -86,37 +87,46 @@ impl<'a> Contents<'a> {
 }
 
 /// Deals out places for leaves.
-#[derive(Debug, Default)]
-pub struct Planner {
+#[derive(Debug)]
+pub struct Planner<'a> {
+    pools: &'a [u32],
+    leaves: Vec<Leaf>,
     /// The order in which leaves lie in the store, by their numbers.
     order: Vec<u32>,
     next: u32,
 }
 
-impl Planner {
-    /// The first grain of the next leaf of up to 16 references.
-    pub fn next(&self) -> u32 {
+impl<'a> Planner<'a> {
+    /// For leaves whose pools have these sizes.
+    pub fn new(pools: &'a [u32]) -> Self {
+        Self { pools, leaves: vec![Leaf { first: 0, count: 0, pool: 0 }; pools.len()], order: Vec::new(), next: 0 }
+    }
+
+    /// Where the leaves lie, in the order of their numbers.
+    pub fn leaves(&self) -> &[Leaf] {
+        &self.leaves
+    }
+}
+
+impl Places for Planner<'_> {
+    fn base(&self) -> u32 {
         self.next
     }
 
-    /// A place for a leaf.
-    pub fn place(&mut self, number: u32, count: u32, pool: u32) -> Leaf {
+    fn place(&mut self, number: u32, count: u32) -> Leaf {
+        let pool = self.pools[number as usize];
         let leaf = Leaf { first: self.next + u32::from(count as usize > BLOCK), count, pool };
         self.next = leaf.first + leaf.grains();
         self.order.push(number);
+        self.leaves[number as usize] = leaf;
         leaf
     }
 }
 
 impl LeafStore {
-    /// Fills leaves that lie at `leaves` (in the order of their numbers).
-    pub fn new<T: Triangles>(
-        contents: &Contents,
-        leaves: &[Leaf],
-        planner: &Planner,
-        triangles: &T,
-        cpu: &CpuMeter,
-    ) -> Self {
+    /// Fills leaves that lie where the planner has put them.
+    pub fn new<T: Triangles>(contents: &Contents, planner: &Planner, triangles: &T, cpu: &CpuMeter) -> Self {
+        let leaves = planner.leaves();
         let mut store = AlignedWords::zeroed(planner.next as usize * GRAIN + SLACK);
         fill(
             store.as_mut_slice(),

@@ -13,8 +13,10 @@ mod build;
 mod built;
 mod clip;
 mod cpu;
+mod instances;
 mod leaves;
 mod median;
+mod mesh_tree;
 mod sah;
 mod sah_simd;
 mod sampled;
@@ -29,10 +31,12 @@ use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
 use crate::settings::KdTreeBuilder;
 pub use batch::{Coherence, HitBatch, NO_TRIANGLE, RayBatch};
-use bounds::Bounds;
 use cpu::CpuMeter;
 use glam::Vec3;
+use instances::Instances;
+pub use instances::{Instanced, Placed};
 use kiln_formats::{Control, Stopped};
+use mesh_tree::MeshTree;
 use std::time::Instant;
 
 /// What a tree is built over. Vertices are finite and of magnitude up to 2e12; degenerate triangles do no harm.
@@ -47,6 +51,11 @@ pub trait Triangles: Sync {
 
     /// The corners of a triangle.
     fn vertices(&self, triangle: u32) -> [Vec3; 3];
+
+    /// What hits on a triangle call it; numbers grow with the triangles.
+    fn number(&self, triangle: u32) -> u32 {
+        triangle
+    }
 }
 
 /// How a tree is built and traversed.
@@ -95,23 +104,27 @@ pub struct Statistics {
     pub sah_cost: f64,
     /// Bytes of the tree and its leaves.
     pub bytes: u64,
+    /// Placements of trees that are shared; 0 where there is one tree over everything.
+    pub instances: u64,
     /// Wall seconds of the build.
     pub build_seconds: f64,
     /// CPU seconds of the build over all threads.
     pub build_cpu_seconds: f64,
 }
 
-/// A kd-tree over triangles, with a copy of their corners in its leaves.
+/// A kd-tree over triangles, with a copy of their corners in its leaves; or several, placed in a common frame.
 #[derive(Debug)]
 pub struct KdTree {
-    bounds: Bounds,
-    thickness: f32,
-    nodes: Vec<binary::Node>,
-    wide: Vec<wide::node::WideNode>,
-    leaves: leaves::LeafStore,
+    form: Form,
     kernel: wide::AnyKernel,
     lanes: AnyLanes,
     statistics: Statistics,
+}
+
+#[derive(Debug)]
+enum Form {
+    One(MeshTree),
+    Instances(Instances),
 }
 
 impl KdTree {
@@ -122,55 +135,68 @@ impl KdTree {
     pub fn build(triangles: &impl Triangles, options: &BuildOptions, control: &Control) -> Result<Self, Stopped> {
         let begin = Instant::now();
         let cpu = CpuMeter::default();
-        let options = &BuildOptions { builder: options.builder_for(triangles.len()), ..*options };
-        let built = build::build(triangles, options, control, &cpu)?;
-        control.check()?;
-        let contents = leaves::Contents::new(&built, triangles, &cpu);
-        let wide::collapse::Collapsed { nodes: wide, leaves: places, planner } =
-            cpu.measure(|| wide::collapse::collapse(&built, &contents.pools));
-        control.check()?;
-        let leaves = leaves::LeafStore::new(&contents, &places, &planner, triangles, &cpu);
-        let nodes = cpu.measure(|| binary::compile(&built, &places));
-        let bounds = built.cells.first().map_or(Bounds::EMPTY, |root| root.bounds);
-        let largest = (0..3).map(|axis| bounds.lo(axis).abs().max(bounds.hi(axis).abs())).fold(0.0, f32::max);
-        // Sums with planes may round by half an ulp of the coordinates.
-        let thickness = 2.0 * built.thickness + largest * f32::EPSILON;
-        let (kernel, lanes) = (wide::AnyKernel::new(options.simd), AnyLanes::new(options.simd));
-        let mut tree =
-            Self { bounds, thickness, nodes, wide, leaves, kernel, lanes, statistics: Statistics::default() };
-        tree.statistics = Statistics {
-            triangles: triangles.len() as u64,
-            nodes: tree.nodes.len() as u64,
-            leaves: places.len() as u64,
-            references: built.triangles.len() as u64,
-            depth: built.depth(),
-            sah_cost: built.cost(),
-            bytes: tree.bytes() as u64,
-            build_seconds: begin.elapsed().as_secs_f64(),
-            build_cpu_seconds: cpu.seconds(),
-        };
-        Ok(tree)
+        let tree = MeshTree::build(triangles, options, control, &cpu)?;
+        let mut statistics = tree.statistics;
+        statistics.build_seconds = begin.elapsed().as_secs_f64();
+        statistics.build_cpu_seconds = cpu.seconds();
+        Ok(Self::new(Form::One(tree), options, statistics))
+    }
+
+    /// Builds a tree of instances: one tree for each mesh, and one over their placements. It finds what a tree over all placed
+    /// triangles finds, bit for bit.
+    ///
+    /// # Errors
+    /// [`Stopped`] when `control` asks for it.
+    pub fn build_instances<M: Triangles, O: Triangles>(
+        scene: &Instanced<M, O>,
+        options: &BuildOptions,
+        control: &Control,
+    ) -> Result<Self, Stopped> {
+        let begin = Instant::now();
+        let cpu = CpuMeter::default();
+        let instances = Instances::build(scene, options, control, &cpu)?;
+        let mut statistics = instances.statistics(scene);
+        statistics.build_seconds = begin.elapsed().as_secs_f64();
+        statistics.build_cpu_seconds = cpu.seconds();
+        Ok(Self::new(Form::Instances(instances), options, statistics))
+    }
+
+    fn new(form: Form, options: &BuildOptions, statistics: Statistics) -> Self {
+        Self { form, kernel: wide::AnyKernel::new(options.simd), lanes: AnyLanes::new(options.simd), statistics }
     }
 
     /// The nearest hit with `0 < t < ray.t_max` among those that `accept` lets through; of several at the same distance
     /// the triangle of the lowest number. `accept` must answer alike when it is asked twice about a triangle and a ray.
     pub fn closest(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
-        self.kernel.nearest::<false>(self.wide(), ray, accept)
+        match &self.form {
+            Form::One(tree) => self.kernel.nearest::<false>(tree.wide(), ray, accept),
+            Form::Instances(all) => all.nearest::<false>(self.kernel, ray, accept),
+        }
     }
 
     /// Whether any accepted hit lies on the ray.
     pub fn occluded(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
-        self.kernel.nearest::<true>(self.wide(), ray, accept).is_some()
+        match &self.form {
+            Form::One(tree) => self.kernel.nearest::<true>(tree.wide(), ray, accept).is_some(),
+            Form::Instances(all) => all.nearest::<true>(self.kernel, ray, accept).is_some(),
+        }
     }
 
-    /// [`KdTree::closest`] by the planes of the binary tree, in plain code: the definition.
+    /// [`KdTree::closest`] by the planes of the binary tree, in plain code: the definition. Of instances, one after the other.
     pub fn closest_by_planes(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
-        binary::nearest(self.binary(), ray, false, accept)
+        self.nearest_by_planes(ray, false, accept)
     }
 
     /// [`KdTree::occluded`] by the planes of the binary tree, in plain code: the definition.
     pub fn occluded_by_planes(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
-        binary::nearest(self.binary(), ray, true, accept).is_some()
+        self.nearest_by_planes(ray, true, accept).is_some()
+    }
+
+    fn nearest_by_planes(&self, ray: &Ray, any: bool, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        match &self.form {
+            Form::One(tree) => binary::nearest(tree.binary(), ray, any, accept),
+            Form::Instances(all) => all.nearest_by_planes(ray, any, accept),
+        }
     }
 
     /// What the tree is like.
@@ -178,30 +204,35 @@ impl KdTree {
         self.statistics
     }
 
-    /// Checks the tree against the triangles that it was built over: cells are disjoint and cover the root, every
+    /// Checks a tree of one mesh against the triangles that it was built over: cells are disjoint and cover the root, every
     /// triangle is in every cell that it touches, every reference is to a triangle of that place.
     ///
     /// # Errors
     /// What is wrong, in a sentence.
     pub fn validate(&self, triangles: &impl Triangles) -> Result<(), String> {
-        let boxes = wide::validate::check(self.wide(), self.binary())?;
-        validate::check(self.binary(), &boxes, triangles)
+        match &self.form {
+            Form::One(tree) => tree.validate(triangles),
+            Form::Instances(_) => Err("a tree of instances is built over other triangles".into()),
+        }
+    }
+
+    /// Checks a tree of instances: the trees of all meshes, and that the boxes of the placements hold their triangles.
+    ///
+    /// # Errors
+    /// What is wrong, in a sentence.
+    pub fn validate_instances<M: Triangles, O: Triangles>(&self, scene: &Instanced<M, O>) -> Result<(), String> {
+        match &self.form {
+            Form::One(_) => Err("no tree of instances".into()),
+            Form::Instances(all) => all.validate(scene),
+        }
     }
 
     /// Whether two trees have the same cells and the same leaves, word for word.
     pub fn same_as(&self, other: &Self) -> bool {
-        self.nodes == other.nodes && self.wide == other.wide && self.leaves.words() == other.leaves.words()
-    }
-
-    fn bytes(&self) -> usize {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.wide.as_slice()) + self.leaves.bytes()
-    }
-
-    fn wide(&self) -> wide::WideTree<'_> {
-        wide::WideTree { nodes: &self.wide, leaves: &self.leaves, thickness: self.thickness }
-    }
-
-    fn binary(&self) -> binary::Tree<'_> {
-        binary::Tree { nodes: &self.nodes, bounds: &self.bounds, thickness: self.thickness, leaves: &self.leaves }
+        match (&self.form, &other.form) {
+            (Form::One(tree), Form::One(other)) => tree.same_as(other),
+            (Form::Instances(all), Form::Instances(other)) => all.same_as(other),
+            _ => false,
+        }
     }
 }

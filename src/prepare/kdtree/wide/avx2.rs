@@ -5,7 +5,7 @@ use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
 use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::{BoxRay, Kernel, UPPER};
+use super::kernel::{BoxRay, Job, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -44,6 +44,18 @@ impl Avx2 {
         // SAFETY: `self` exists only on machines with these features.
         unsafe { trace_with_features::<ANY>(self, tree, rays, stops, found) }
     }
+
+    /// Does a job with these features.
+    #[inline(always)]
+    pub fn run<J: Job>(self, job: J) -> J::Output {
+        // SAFETY: `self` exists only on machines with these features.
+        unsafe { run_with_features(self, job) }
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn run_with_features<J: Job>(kernel: Avx2, job: J) -> J::Output {
+    job.run(kernel)
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]

@@ -5,7 +5,7 @@ use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
 use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::{BoxRay, Kernel, UPPER};
+use super::kernel::{BoxRay, Job, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -53,6 +53,18 @@ impl Avx512 {
         // SAFETY: `self` exists only on machines with these features.
         unsafe { trace_with_features::<ANY>(self, tree, rays, stops, found) }
     }
+
+    /// Does a job with these features.
+    #[inline(always)]
+    pub fn run<J: Job>(self, job: J) -> J::Output {
+        // SAFETY: `self` exists only on machines with these features.
+        unsafe { run_with_features(self, job) }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn run_with_features<J: Job>(kernel: Avx512, job: J) -> J::Output {
+    job.run(kernel)
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]

@@ -2,17 +2,16 @@
 
 use super::super::aligned::settle;
 use super::super::built::{Built, BuiltKind};
-use super::super::leaves::{Leaf, Planner};
+use super::super::leaves::Leaf;
 use super::node::{Child, WIDTH, WideNode};
 
-/// The wide nodes, and where each leaf of the binary tree (in its order) is to lie.
-pub struct Collapsed {
-    /// Nodes, the root first. Empty when there are no triangles.
-    pub nodes: Vec<WideNode>,
-    /// Places for the leaves; those of one node lie together.
-    pub leaves: Vec<Leaf>,
-    /// The order in which they lie there.
-    pub planner: Planner,
+/// Says where the leaves of the binary tree are to lie.
+pub trait Places {
+    /// From where the places of a node's leaves count, if they are dealt out next.
+    fn base(&self) -> u32;
+
+    /// A place for a leaf of a number and so many references.
+    fn place(&mut self, number: u32, count: u32) -> Leaf;
 }
 
 /// A part of a treelet: a plane with its two sides, a child that stays, or nothing.
@@ -79,10 +78,9 @@ impl Treelet {
     }
 }
 
-/// Collapses a binary tree whose leaves (in their order) are to have pools of these sizes.
-pub fn collapse(built: &Built, pools: &[u32]) -> Collapsed {
-    let mut planner = Planner::default();
-    let mut leaves = vec![Leaf { first: 0, count: 0, pool: 0 }; pools.len()];
+/// Collapses a binary tree to wide nodes, the root first; none when there are no triangles. The leaves of a node get places next
+/// to each other.
+pub fn collapse(built: &Built, places: &mut impl Places) -> Vec<WideNode> {
     let leaf_numbers = built.leaf_numbers();
     let mut nodes = Vec::new();
     let (mut small, mut large) = (Vec::new(), Vec::new());
@@ -95,7 +93,7 @@ pub fn collapse(built: &Built, pools: &[u32]) -> Collapsed {
     while let Some((place, cell)) = tasks.pop() {
         let treelet = Treelet::grow(built, cell);
         let mut node = WideNode::empty();
-        node.leaf_base = planner.next();
+        node.leaf_base = places.base();
         let mut slot_of_part = [0usize; 2 * WIDTH];
         // Slots are dealt in the order of the first octant.
         let first_task = tasks.len();
@@ -120,9 +118,7 @@ pub fn collapse(built: &Built, pools: &[u32]) -> Collapsed {
         });
         // Small leaves first: their words have few bits for the place.
         for (slot, cell, count) in small.drain(..).chain(large.drain(..)) {
-            let number = leaf_numbers[cell];
-            let leaf = planner.place(number, count, pools[number as usize]);
-            leaves[number as usize] = leaf;
+            let leaf = places.place(leaf_numbers[cell], count);
             node.children[slot] = Child::Leaf(leaf).encode(node.leaf_base);
         }
         tasks[first_task..].reverse();
@@ -139,5 +135,5 @@ pub fn collapse(built: &Built, pools: &[u32]) -> Collapsed {
         }
         nodes[place] = node;
     }
-    Collapsed { nodes: settle(&nodes), leaves, planner }
+    settle(&nodes)
 }

@@ -53,3 +53,12 @@ pub trait Kernel: Copy {
     /// it does. The block's words reach 64 words beyond its end.
     fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32;
 }
+
+/// Work that is compiled for the instructions of whatever kernel does it; for that, it has to be inlined for certain.
+pub trait Job {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn run<K: Kernel>(self, kernel: K) -> Self::Output;
+}

@@ -10,16 +10,16 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 pub mod collapse;
-mod kernel;
+pub mod kernel;
 pub mod node;
 pub mod packet;
 mod packet_exact;
 mod packet_lanes;
 mod prefetch;
 mod scalar;
-mod stack;
-mod stream;
-mod traverse;
+pub mod stack;
+pub mod stream;
+pub mod traverse;
 #[cfg(test)]
 mod twin_tests;
 pub mod validate;
@@ -28,6 +28,7 @@ use super::batch::RayBatch;
 use super::leaves::LeafStore;
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
+use kernel::Job;
 use node::{Child, MAX_OFFSET, WideNode};
 use stack::Waiting;
 
@@ -45,14 +46,14 @@ pub struct WideTree<'a> {
 impl WideTree<'_> {
     /// What a waiting entry stands for.
     #[inline(always)]
-    fn child(&self, waiting: &Waiting) -> Child {
+    pub fn child(&self, waiting: &Waiting) -> Child {
         Child::decode(waiting.word, waiting.leaf_base, |first| self.leaves.large(first))
     }
 
     /// Has something fetched that will probably be visited: a node, or a leaf but for its last lines. Without a branch, since
     /// nobody could foretell it.
     #[inline(always)]
-    fn prefetch(&self, waiting: Waiting) {
+    pub fn prefetch(&self, waiting: Waiting) {
         let node = self.nodes.as_ptr().addr().wrapping_add(waiting.word as usize * size_of::<WideNode>());
         let leaf = self.leaves.address(waiting.leaf_base.wrapping_add(waiting.word & MAX_OFFSET));
         prefetch::lines::<6>(if node::is_leaf(waiting.word) { leaf } else { node });
@@ -103,6 +104,19 @@ impl AnyKernel {
             Self::Avx512(kernel) => kernel.nearest::<ANY>(tree, ray, accept),
         }
     }
+
+    /// Does a job with the kernel's instructions.
+    #[inline]
+    pub fn run<J: Job>(self, job: J) -> J::Output {
+        match self {
+            Self::Scalar(kernel) => job.run(kernel),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(kernel) => kernel.run(job),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(kernel) => kernel.run(job),
+        }
+    }
+
     /// [`AnyKernel::nearest`] for each ray of a batch: see [`stream::trace`].
     pub fn trace<const ANY: bool>(
         self,

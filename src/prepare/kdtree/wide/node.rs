@@ -78,6 +78,12 @@ pub fn is_leaf(word: u32) -> bool {
     word & LEAF != 0
 }
 
+/// The number of the instance that a leaf's word stands for, in a tree over instances.
+#[inline(always)]
+pub fn instance_of(word: u32) -> usize {
+    (word & (LARGE - 1)) as usize
+}
+
 impl WideNode {
     /// A node without children.
     pub fn empty() -> Self {

@@ -5,6 +5,7 @@
 //! round ahead.
 
 use super::super::batch::RayBatch;
+use super::super::instances::place::AsIs;
 use super::WideTree;
 use super::kernel::Kernel;
 use super::node::{Child, is_leaf};
@@ -14,7 +15,7 @@ use crate::math::Hit;
 use std::cell::Cell;
 
 /// Rays in flight.
-const FLIGHTS: usize = 16;
+pub const FLIGHTS: usize = 16;
 
 /// Stands where there is no ray.
 const NO_RAY: usize = usize::MAX;
@@ -24,10 +25,34 @@ thread_local! {
     static SPARE_STACKS: Cell<Vec<Stack>> = const { Cell::new(Vec::new()) };
 }
 
-/// Kinds of steps.
-const NODE: usize = 0;
-const LEAF: usize = 1;
-const LAST: usize = 2;
+/// So many stacks, all empty.
+pub fn take_stacks(count: usize) -> Vec<Stack> {
+    let mut stacks = SPARE_STACKS.take();
+    if stacks.len() < count {
+        stacks = Stack::several(count);
+    }
+    // Where a batch ended, rays left behind what lay beyond their hits.
+    stacks[..count].iter_mut().for_each(|stack| stack.clear_if(true));
+    stacks
+}
+
+/// Keeps stacks for the next batch.
+pub fn keep_stacks(stacks: Vec<Stack>) {
+    SPARE_STACKS.set(stacks);
+}
+
+/// Kinds of steps: into a node, into a leaf, and to the end of what there is.
+pub const NODE: usize = 0;
+/// See [`NODE`].
+pub const LEAF: usize = 1;
+/// See [`NODE`].
+pub const LAST: usize = 2;
+
+/// The kind of the step to what is next, which may lie beyond the nearest hit.
+#[inline(always)]
+pub fn kind(next: &Waiting, beyond: bool) -> usize {
+    (usize::from(beyond) * LAST) | (usize::from(is_leaf(next.word) & !beyond) * LEAF)
+}
 
 /// A ray on its way.
 #[derive(Clone, Copy)]
@@ -40,20 +65,23 @@ struct Flight<K: Kernel> {
 
 /// The steps of a round, as numbers of flights.
 #[derive(Clone, Copy, Default)]
-struct Steps {
+pub struct Steps {
     flights: [[u8; FLIGHTS]; 3],
-    len: [usize; 3],
+    /// How many of each kind there are.
+    pub len: [usize; 3],
 }
 
 impl Steps {
+    /// Adds the step of a flight.
     #[inline(always)]
-    fn add(&mut self, kind: usize, flight: u8) {
+    pub fn add(&mut self, kind: usize, flight: u8) {
         self.flights[kind][self.len[kind] % FLIGHTS] = flight;
         self.len[kind] += 1;
     }
 
+    /// The flights whose steps are of a kind.
     #[inline(always)]
-    fn of(&self, kind: usize) -> &[u8] {
+    pub fn of(&self, kind: usize) -> &[u8] {
         &self.flights[kind][..self.len[kind]]
     }
 }
@@ -69,12 +97,7 @@ pub fn trace<const ANY: bool, K: Kernel>(
 ) {
     let n = rays.len();
     let Some(root) = tree.nodes.first() else { return (0..n).for_each(|ray| found(ray, None)) };
-    let mut stacks = SPARE_STACKS.take();
-    if stacks.is_empty() {
-        stacks = Stack::several(FLIGHTS);
-    }
-    // Where a batch ended, rays left behind what lay beyond their hits.
-    stacks.iter_mut().for_each(|stack| stack.clear_if(true));
+    let mut stacks = take_stacks(FLIGHTS);
     let idle = Flight { walk: Walk::idle(kernel), ray: NO_RAY, next: stacks[0].top() };
     let mut flights = [idle; FLIGHTS];
     let mut now = Steps::default();
@@ -92,7 +115,7 @@ pub fn trace<const ANY: bool, K: Kernel>(
             let (flight, stack) = (&mut flights[i as usize], &mut stacks[i as usize]);
             if let Child::Leaf(leaf) = tree.child(&flight.next) {
                 for block in tree.leaves.blocks(leaf) {
-                    let hit = flight.walk.test_block(block, &mut |hit| stops(flight.ray, hit));
+                    let hit = flight.walk.test_block(block, &mut AsIs, &mut |hit| stops(flight.ray, hit));
                     stack.clear_if(ANY & hit);
                     if ANY && hit {
                         break;
@@ -120,7 +143,7 @@ pub fn trace<const ANY: bool, K: Kernel>(
         }
         now = later;
     }
-    SPARE_STACKS.set(stacks);
+    keep_stacks(stacks);
 }
 
 impl<K: Kernel> Flight<K> {
@@ -129,7 +152,6 @@ impl<K: Kernel> Flight<K> {
     fn advance(&mut self, tree: WideTree, stack: &mut Stack) -> usize {
         self.next = stack.pop();
         tree.prefetch(self.next);
-        let beyond = self.walk.is_beyond(&self.next);
-        (usize::from(beyond) * LAST) | (usize::from(is_leaf(self.next.word) & !beyond) * LEAF)
+        kind(&self.next, self.walk.is_beyond(&self.next))
     }
 }

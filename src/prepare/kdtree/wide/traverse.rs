@@ -2,6 +2,7 @@
 
 use super::super::batch::NO_TRIANGLE;
 use super::super::block::Block;
+use super::super::instances::place::{AsIs, Place};
 use super::super::slab::SlabRay;
 use super::WideTree;
 use super::kernel::{BoxRay, Kernel};
@@ -34,26 +35,31 @@ pub fn nearest<const ANY: bool, K: Kernel>(
 ) -> Option<Hit> {
     let mut walk = Walk::idle(kernel);
     walk.begin(ray, [NO_TRIANGLE; 2]);
-    Stack::with(|stack| walk.go::<ANY>(tree, stack, accept))
+    Stack::with(|stack| walk.go::<ANY>(tree, stack, &mut AsIs, &mut { accept }));
+    walk.hit()
 }
 
 impl<K: Kernel> Walk<K> {
+    /// Walks a tree from its root on, until the nearest hit is known; or with `ANY` until any is, and says whether one is.
     #[inline(always)]
-    fn go<const ANY: bool>(
+    pub fn go<const ANY: bool>(
         &mut self,
         tree: WideTree,
         stack: &mut Stack,
-        mut accept: impl FnMut(&Hit) -> bool,
-    ) -> Option<Hit> {
-        tree.nodes.first()?;
+        place: &mut impl Place,
+        accept: &mut impl FnMut(&Hit) -> bool,
+    ) -> bool {
+        if tree.nodes.is_empty() {
+            return false;
+        }
         let mut child = Child::Node(0);
         loop {
             match child {
                 Child::Node(at) => self.kernel.open(&self.boxes, &tree.nodes[at as usize], self.limit, stack),
                 Child::Leaf(leaf) => {
                     for block in tree.leaves.blocks(leaf) {
-                        if self.test_block(block, &mut accept) && ANY {
-                            return self.nearest.hit;
+                        if self.test_block(block, place, accept) && ANY {
+                            return true;
                         }
                     }
                 }
@@ -64,7 +70,7 @@ impl<K: Kernel> Walk<K> {
                     break next;
                 }
                 if self.is_last(tree, &next) {
-                    return self.nearest.hit;
+                    return false;
                 }
             };
             tree.prefetch(stack.top());
@@ -94,10 +100,35 @@ impl<K: Kernel> Walk<K> {
     pub fn begin(&mut self, ray: &Ray, barred: [u32; 2]) {
         self.slab.set(ray);
         self.boxes.set(&self.slab);
+        self.begin_outside(ray, barred);
+        self.limit = self.slab.scaled(ray.t_max);
+    }
+
+    /// With a ray, but not yet in a tree.
+    #[inline(always)]
+    pub fn begin_outside(&mut self, ray: &Ray, barred: [u32; 2]) {
         self.sheared = ShearedRay::new(ray);
         self.barred = barred;
         self.nearest = Nearest::new(ray);
-        self.limit = self.slab.scaled(ray.t_max);
+    }
+
+    /// The ray in the coordinates of the tree that is to be walked: to be set before [`Walk::begin_inside`].
+    #[inline(always)]
+    pub fn slab(&mut self) -> &mut SlabRay {
+        &mut self.slab
+    }
+
+    /// Before the first node of the next tree of several.
+    #[inline(always)]
+    pub fn begin_inside(&mut self) {
+        self.boxes.set(&self.slab);
+        self.limit = self.slab.scaled(self.nearest.t);
+    }
+
+    /// Where the ray ends, or its nearest hit lies so far.
+    #[inline(always)]
+    pub fn end(&self) -> f32 {
+        self.nearest.t
     }
 
     /// Puts those children of a node on the stack that the ray enters.
@@ -129,8 +160,10 @@ impl<K: Kernel> Walk<K> {
 
     /// Tests a block; whether a hit was accepted.
     #[inline(always)]
-    pub fn test_block(&mut self, block: Block, accept: &mut impl FnMut(&Hit) -> bool) -> bool {
-        let mut candidates = self.kernel.candidates(&self.sheared, &block, self.barred);
+    pub fn test_block<P: Place>(&mut self, block: Block, place: &mut P, accept: &mut impl FnMut(&Hit) -> bool) -> bool {
+        let real = if P::PADS { (1u32 << block.len) - 1 } else { u32::MAX };
+        let block = place.place(block);
+        let mut candidates = self.kernel.candidates(&self.sheared, &block, self.barred) & real;
         let mut found = false;
         while candidates != 0 {
             let i = candidates.trailing_zeros() as usize;

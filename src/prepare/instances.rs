@@ -1,0 +1,82 @@
+//! Which triangles are kept once for several placements, and the kd-tree of a scene that does so.
+
+use super::kdtree::{BuildOptions, Instanced, KdTree, Placed, Triangles};
+use crate::geometry::{Geometry, Shape, Sharing};
+use crate::settings::Instances;
+use glam::Vec3;
+use kiln_formats::{Control, Stopped};
+
+/// Shapes of so many triangles are worth a tree of their own.
+const LEAST_TRIANGLES: u64 = 1000;
+/// Copies of fewer triangles than these are no burden.
+const LEAST_SAVED: u64 = 200_000;
+
+/// From when on triangles are shared.
+pub fn sharing(asked: Instances) -> Sharing {
+    match asked {
+        Instances::Auto => Sharing { least_triangles: LEAST_TRIANGLES, least_saved: LEAST_SAVED },
+        Instances::Always => Sharing::ALWAYS,
+        Instances::Never => Sharing::NEVER,
+    }
+}
+
+impl Triangles for Geometry {
+    fn len(&self) -> usize {
+        Geometry::len(self)
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.corners(triangle)
+    }
+}
+
+impl Triangles for Shape {
+    fn len(&self) -> usize {
+        Shape::len(self)
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.corners(triangle)
+    }
+}
+
+/// The triangles that no placement shares with another.
+struct Own<'a> {
+    geometry: &'a Geometry,
+    numbers: Vec<u32>,
+}
+
+impl Triangles for Own<'_> {
+    fn len(&self) -> usize {
+        self.numbers.len()
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.geometry.corners(self.number(triangle))
+    }
+
+    fn number(&self, triangle: u32) -> u32 {
+        self.numbers[triangle as usize]
+    }
+}
+
+/// The kd-tree of a scene.
+///
+/// # Errors
+/// [`Stopped`] when `control` asks for it.
+pub fn build(geometry: &Geometry, options: &BuildOptions, control: &Control) -> Result<KdTree, Stopped> {
+    if geometry.shapes().is_empty() {
+        return KdTree::build(geometry, options, control);
+    }
+    let placed: Vec<Placed> = geometry
+        .shared_parts()
+        .map(|(part, shape, bounds)| Placed {
+            mesh: shape,
+            placement: part.placement,
+            first: part.first_triangle,
+            bounds,
+        })
+        .collect();
+    let own = Own { geometry, numbers: geometry.own_triangles() };
+    KdTree::build_instances(&Instanced { meshes: geometry.shapes(), placed: &placed, own: &own }, options, control)
+}
