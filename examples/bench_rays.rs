@@ -1,10 +1,11 @@
 //! Rays a second: the kd-tree's forms against each other, and against Embree.
 //!
-//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce]
+//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce] [--threads N] [--builds N]
 //!
-//! A form may end in -stream or -packet: rays go to the tree in batches, as scattered or as coherent ones. Meshes are made here: scan, terrain, knot, stadium, hair, foliage. Rays come from the tree itself: a camera, one bounce
+//! A form may end in -stream or -packet: rays go to the tree in batches, as scattered or as coherent ones. Meshes are made here: scan, terrain, knot, stadium, hair, foliage,
+//! straw, box; the first three in any size, as scan:10000. Rays come from the tree itself: a camera, one bounce
 //! (diffuse) from each hit, the same shuffled, a second bounce, and a shadow ray to a point of a light above. All contenders take turns, pass
-//! by pass, on one thread; the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
+//! by pass, on one thread (ours on N if asked for: CPU seconds of all); the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
 //! mesh and the rays as files and is asked for passes over its standard input.
 
 #![allow(clippy::disallowed_methods)]
@@ -32,6 +33,8 @@ struct Arguments {
     forms: Vec<String>,
     sets: Vec<String>,
     builder: KdTreeBuilder,
+    threads: usize,
+    builds: u32,
 }
 
 fn arguments() -> Arguments {
@@ -43,6 +46,8 @@ fn arguments() -> Arguments {
         forms: vec!["avx512".into()],
         sets: Vec::new(),
         builder: KdTreeBuilder::Sah,
+        threads: 1,
+        builds: 3,
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -51,6 +56,8 @@ fn arguments() -> Arguments {
             "--passes" => asked.passes = value().parse().expect("a number of passes"),
             "--embree" => asked.embree = Some(value()),
             "--robust" => asked.robust = true,
+            "--threads" => asked.threads = value().parse().expect("a number of threads"),
+            "--builds" => asked.builds = value().parse().expect("a number of builds"),
             "--forms" => asked.forms = value().split(',').map(String::from).collect(),
             "--sets" => asked.sets = value().split(',').map(String::from).collect(),
             "--builder" => asked.builder = serde_json::from_value(value().into()).expect("median, sampled or sah"),
@@ -110,7 +117,24 @@ fn stream(tree: &KdTree, rays: &[Ray], any: bool, coherence: Coherence) -> Pass 
     pass
 }
 
-fn pass(tree: &KdTree, form: &str, rays: &[Ray], any: bool) -> Pass {
+/// A pass on several threads, each with its share of the rays; CPU seconds of all.
+fn pass(tree: &KdTree, form: &str, rays: &[Ray], any: bool, threads: usize) -> Pass {
+    if threads <= 1 {
+        return share(tree, form, rays, any);
+    }
+    let passes: Vec<Pass> = std::thread::scope(|scope| {
+        let start = |rays| scope.spawn(move || share(tree, form, rays, any));
+        let started: Vec<_> = rays.chunks(rays.len().div_ceil(threads)).map(start).collect();
+        started.into_iter().map(|thread| thread.join().expect("a pass")).collect()
+    });
+    passes.into_iter().fold(Pass { seconds: 0.0, hits: 0, sum_t: 0.0 }, |a, b| Pass {
+        seconds: a.seconds + b.seconds,
+        hits: a.hits + b.hits,
+        sum_t: a.sum_t + b.sum_t,
+    })
+}
+
+fn share(tree: &KdTree, form: &str, rays: &[Ray], any: bool) -> Pass {
     if form.ends_with("-stream") {
         return stream(tree, rays, any, Coherence::Scattered);
     }
@@ -146,25 +170,23 @@ fn main() {
             let options = BuildOptions { builder: asked.builder, seed: 1, simd, ..BuildOptions::default() };
             KdTree::build(&mesh, &options, &Control::default()).expect("not stopped")
         };
-        let trees: Vec<(String, KdTree)> = asked
-            .forms
-            .iter()
-            .map(|form| {
-                (
-                    form.clone(),
-                    build(
-                        form.trim_end_matches("-stream")
-                            .trim_end_matches("-packet")
-                            .parse()
-                            .unwrap_or(SimdTier::Scalar),
-                    ),
-                )
-            })
-            .collect();
+        let tier = |form: &str| -> SimdTier {
+            form.trim_end_matches("-stream").trim_end_matches("-packet").parse().unwrap_or(SimdTier::Scalar)
+        };
+        let mut built: Vec<(SimdTier, KdTree)> = Vec::new();
+        for form in &asked.forms {
+            if built.iter().all(|(have, _)| *have != tier(form)) {
+                built.push((tier(form), build(tier(form))));
+            }
+        }
+        let tree_of = |form: &String| built.iter().find(|(have, _)| *have == tier(form)).map(|(_, tree)| tree);
+        let trees: Vec<(String, &KdTree)> =
+            asked.forms.iter().map(|form| (form.clone(), tree_of(form).expect("built above"))).collect();
         let statistics = trees[0].1.statistics();
         let begin = ProcessTime::now();
-        let best_build = (0..3).map(|_| build(SimdTier::detect()).statistics().build_seconds).fold(f64::MAX, f64::min);
-        let build_cpu = begin.elapsed().as_secs_f64() / 3.0;
+        let best_build =
+            (0..asked.builds).map(|_| build(SimdTier::detect()).statistics().build_seconds).fold(f64::MAX, f64::min);
+        let build_cpu = begin.elapsed().as_secs_f64() / f64::from(asked.builds);
         println!(
             "# {name}: {} triangles, {:.2} references, {:.1} a leaf, depth {}, cost {:.2}, {:.1} bytes each, built in {best_build:.3} s ({build_cpu:.3} CPU)",
             statistics.triangles,
@@ -174,7 +196,7 @@ fn main() {
             statistics.sah_cost,
             statistics.bytes as f64 / statistics.triangles as f64,
         );
-        let sets = rays::sets(&mesh, &trees[0].1);
+        let sets = rays::sets(&mesh, trees[0].1);
         let mut rival = asked.embree.as_ref().map(|program| embree::Rival::new(program, &mesh, asked.robust));
         if let Some(rival) = &rival {
             println!("# {name}: embree built in {:.3} s ({:.3} CPU)", rival.build_seconds, rival.build_cpu);
@@ -187,7 +209,7 @@ fn main() {
             }
             for _ in 0..asked.passes {
                 for ((form, tree), best) in trees.iter().zip(&mut best) {
-                    let now = pass(tree, form, &set.rays, set.any);
+                    let now = pass(tree, form, &set.rays, set.any, asked.threads);
                     *best = if now.seconds < best.seconds { now } else { Pass { seconds: best.seconds, ..now } };
                 }
                 if let Some(rival) = &mut rival {

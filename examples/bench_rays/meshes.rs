@@ -60,31 +60,41 @@ fn fractal(x: f32, z: f32, octaves: u32, first: f32) -> f32 {
     sum
 }
 
+/// Cells along the sides of a grid of so many triangles, or of the usual sides.
+fn sides([nu, nv]: [u32; 2], triangles: Option<u32>) -> [u32; 2] {
+    let Some(triangles) = triangles else { return [nu, nv] };
+    let scale = (f64::from(triangles) / f64::from(2 * nu * nv)).sqrt();
+    [nu, nv].map(|n| ((f64::from(n) * scale).round() as u32).max(2))
+}
+
 /// A lumpy body, triangles of like size in rows, as range scanners make them.
-fn scan() -> Mesh {
-    grid(560, 270, |u, v| {
+fn scan(triangles: Option<u32>) -> Mesh {
+    let [nu, nv] = sides([560, 270], triangles);
+    grid(nu, nv, |u, v| {
         let (a, b) = (core::f32::consts::TAU * u, core::f32::consts::PI * (0.02 + 0.96 * v));
         let dir = Vec3::new(libm::sinf(b) * libm::cosf(a), libm::cosf(b), libm::sinf(b) * libm::sinf(a));
         let lumps = 0.25 * libm::sinf(3.0 * dir.x + 1.0) * libm::sinf(4.0 * dir.y) * libm::sinf(3.0 * dir.z + 2.0);
         let detail = 0.03 * libm::sinf(23.0 * dir.x) * libm::sinf(19.0 * dir.y) * libm::sinf(29.0 * dir.z);
-        let grain = 0.003 * hash((u * 560.0) as u32, (v * 270.0) as u32);
+        let grain = 0.003 * hash((u * nu as f32) as u32, (v * nv as f32) as u32);
         dir * (1.0 + lumps + detail + grain)
     })
 }
 
-fn terrain() -> Mesh {
-    grid(1000, 500, |u, v| {
+fn terrain(triangles: Option<u32>) -> Mesh {
+    let [nu, nv] = sides([1000, 500], triangles);
+    grid(nu, nv, |u, v| {
         let (x, z) = (20.0 * u - 10.0, 10.0 * v - 5.0);
         Vec3::new(x, 2.4 * fractal(x + 40.0, z + 40.0, 9, 0.35), z)
     })
 }
 
-fn knot() -> Mesh {
+fn knot(triangles: Option<u32>) -> Mesh {
+    let [nu, nv] = sides([2200, 350], triangles);
     let centre = |t: f32| {
         let r = 2.0 + libm::cosf(3.0 * t);
         Vec3::new(r * 0.5 * libm::cosf(2.0 * t), libm::sinf(3.0 * t) * 0.5, r * 0.5 * libm::sinf(2.0 * t))
     };
-    grid(2200, 350, |u, v| {
+    grid(nu, nv, |u, v| {
         let (a, b) = (core::f32::consts::TAU * u, core::f32::consts::TAU * v);
         let along = (centre(a + 1e-2) - centre(a - 1e-2)).normalize();
         let side = along.cross(centre(a)).normalize();
@@ -201,11 +211,16 @@ fn straw() -> Mesh {
     all
 }
 
+/// A mesh by its name; scan, terrain and knot may be followed by a colon and the number of triangles, about.
 pub fn make(name: &str) -> Mesh {
+    let (name, triangles) = match name.split_once(':') {
+        Some((name, number)) => (name, Some(number.parse().expect("a number of triangles"))),
+        None => (name, None),
+    };
     match name {
-        "scan" => scan(),
-        "terrain" => terrain(),
-        "knot" => knot(),
+        "scan" => scan(triangles),
+        "terrain" => terrain(triangles),
+        "knot" => knot(triangles),
         "stadium" => stadium(),
         "hair" => hair(),
         "foliage" => foliage(),

@@ -6,6 +6,7 @@ use super::instances::place::{AsIs, Place};
 use super::leaves::{Leaf, LeafStore};
 use super::slab::SlabRay;
 use super::split::{MAX_DEPTH, Plane};
+use super::wide::scalar::Scalar;
 use crate::math::triangle::{Nearest, ShearedRay};
 use crate::math::{Hit, Ray};
 
@@ -120,7 +121,7 @@ pub fn walk(
                 View::Leaf(leaf) => {
                     for block in tree.leaves.blocks(leaf) {
                         let len = block.len;
-                        let block = place.place(block);
+                        let block = place.place(Scalar, block);
                         for i in 0..len {
                             let Some(hit) = sheared.meet(block.corners(i), block.triangle(i)) else { continue };
                             if nearest.improves(&hit) && accept(&hit) {

@@ -34,7 +34,7 @@ const BESIDE: f32 = 2e-11;
 pub const PLAIN: [f32; 2] = [1e-6, 1e6];
 
 /// Rays that begin so far away have no boxes that they pass by, when they are seen from other coordinates.
-const FAR: f64 = 1e18;
+const FAR: f32 = 1e18;
 
 /// Makes the shortest of directions normal numbers.
 const DENORMAL_SCALE: f32 = 16_777_216.0;
@@ -128,13 +128,12 @@ impl SlabRay {
     /// Prepares a ray in other coordinates than those that it was given in, where each of its points may lie beside the computed one
     /// by `blur` on each axis: boxes are entered sooner and left later.
     #[inline(always)]
-    pub fn set_blurred(&mut self, origin: DVec3, dir: DVec3, blur: Vec3) {
-        let (longest, shortest) = (dir.abs().max_element() as f32, dir.abs().min_element() as f32);
-        let ray = Ray { origin: origin.as_vec3(), dir: dir.as_vec3(), t_max: f32::INFINITY };
-        if (PLAIN[0]..=PLAIN[1]).contains(&longest) && shortest >= PARALLEL && origin.abs().max_element() < FAR {
+    pub fn set_blurred(&mut self, origin: [f64; 3], dir: [f64; 3], blur: [f32; 3]) {
+        let ray = Ray { origin: DVec3::from(origin).as_vec3(), dir: DVec3::from(dir).as_vec3(), t_max: f32::INFINITY };
+        if is_plain(&ray) && ray.origin.abs().max_element() < FAR {
             self.set_scaled(&ray, ray.dir, 1.0);
         } else {
-            self.set_blurred_with_care(origin, dir);
+            self.set_blurred_with_care(ray.origin, dir);
         }
         for axis in 0..3 {
             let blur = if self.is_negative(axis) { -blur[axis] } else { blur[axis] };
@@ -146,17 +145,17 @@ impl SlabRay {
     /// A direction that f32 may not be able to tell, one that is parallel to an axis, or an origin in the far distance.
     #[cold]
     #[inline(never)]
-    fn set_blurred_with_care(&mut self, origin: DVec3, dir: DVec3) {
-        let exponent = libm::ilogb(dir.abs().max_element());
-        let dir = dir.to_array().map(|d| libm::ldexp(d, -exponent) as f32);
-        let ray = Ray { origin: origin.as_vec3(), dir: dir.into(), t_max: f32::INFINITY };
-        self.set(&ray);
+    fn set_blurred_with_care(&mut self, origin: Vec3, dir: [f64; 3]) {
+        let exponent = libm::ilogb(DVec3::from(dir).abs().max_element());
+        let dir = dir.map(|d| libm::ldexp(d, -exponent) as f32);
+        self.set(&Ray { origin, dir: dir.into(), t_max: f32::INFINITY });
         // Beyond f32's range, distances have no end, or end later than they do.
         let scale = f64::from(self.scale) * libm::ldexp(1.0, exponent);
         self.scale = (scale as f32).max(f32::MIN_POSITIVE);
-        if !(origin.abs().max_element() < FAR) {
+        let near = origin.abs().max_element() < FAR;
+        if !near {
             // Everything is entered at once.
-            (self.enter_from, self.leave_from, self.inv) = ([FAR as f32; 3], [-FAR as f32; 3], [1.0; 3]);
+            (self.enter_from, self.leave_from, self.inv) = ([FAR; 3], [-FAR; 3], [1.0; 3]);
             self.octant = 0;
         }
     }

@@ -56,7 +56,7 @@ struct Member {
     tree: u32,
     first: u32,
     /// Its coordinates, where they are not the common ones.
-    space: Option<Box<Space>>,
+    space: Option<Space>,
 }
 
 impl Member {
@@ -89,7 +89,7 @@ impl Instances {
         let member = |placed: &Placed| Member {
             tree: placed.mesh,
             first: placed.first,
-            space: Some(Box::new(Space::new(&placed.placement, own_reach[placed.mesh as usize], placed.bounds))),
+            space: Some(Space::new(&placed.placement, own_reach[placed.mesh as usize], placed.bounds)),
         };
         let mut members: Vec<Member> = scene.placed.iter().map(member).collect();
         let mut boxes: Vec<Bounds> = scene.placed.iter().map(|placed| around(placed.bounds)).collect();
@@ -171,7 +171,7 @@ impl Instances {
             let tree = &self.trees[member.tree as usize].statistics;
             all.triangles += tree.triangles;
             all.sah_cost += share(bounds) * tree.sah_cost;
-            all.bytes += (size_of::<Member>() + member.space.as_ref().map_or(0, |_| size_of::<Space>())) as u64;
+            all.bytes += size_of::<Member>() as u64;
         }
         all.instances = scene.placed.len() as u64;
         all

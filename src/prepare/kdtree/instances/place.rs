@@ -5,6 +5,7 @@
 
 use super::super::block::{Block, words_of};
 use super::super::split::BLOCK;
+use super::super::wide::kernel::Kernel;
 use crate::math::Placement;
 
 /// Gives blocks of a tree the corners and numbers that rays meet.
@@ -13,7 +14,7 @@ pub trait Place {
     const PADS: bool;
 
     /// A block as rays meet it.
-    fn place<'a>(&'a mut self, block: Block<'a>) -> Block<'a>;
+    fn place<'a, K: Kernel>(&'a mut self, kernel: K, block: Block<'a>) -> Block<'a>;
 }
 
 /// Leaves blocks as they are.
@@ -23,7 +24,7 @@ impl Place for AsIs {
     const PADS: bool = false;
 
     #[inline(always)]
-    fn place<'a>(&'a mut self, block: Block<'a>) -> Block<'a> {
+    fn place<'a, K: Kernel>(&'a mut self, _: K, block: Block<'a>) -> Block<'a> {
         block
     }
 }
@@ -33,14 +34,14 @@ const WORDS: usize = words_of(BLOCK, 0) + 4 * BLOCK;
 
 /// Places blocks by an instance's placement, or leaves them as they are.
 #[repr(align(64))]
-pub struct Placing {
+pub struct Placing<'p> {
     words: [u32; WORDS],
-    placement: Option<Placement>,
+    placement: Option<&'p Placement>,
     /// What is added to the numbers of triangles.
     first: u32,
 }
 
-impl Placing {
+impl<'p> Placing<'p> {
     /// Leaves blocks as they are.
     #[inline(always)]
     pub fn new() -> Self {
@@ -49,31 +50,30 @@ impl Placing {
 
     /// From now on, blocks are placed like this.
     #[inline(always)]
-    pub fn set(&mut self, placement: Option<&Placement>, first: u32) {
-        (self.placement, self.first) = (placement.copied(), first);
+    pub fn set(&mut self, placement: Option<&'p Placement>, first: u32) {
+        (self.placement, self.first) = (placement, first);
     }
 }
 
-impl Place for Placing {
+impl Place for Placing<'_> {
     const PADS: bool = true;
 
     #[inline(always)]
-    fn place<'a>(&'a mut self, block: Block<'a>) -> Block<'a> {
-        let Some(placement) = &self.placement else { return block };
+    fn place<'a, K: Kernel>(&'a mut self, kernel: K, block: Block<'a>) -> Block<'a> {
+        let Some(placement) = self.placement else { return block };
         let (len, pool) = (block.len, block.pool);
         let ids = words_of(len, pool) - len;
         // Whole rows of sixteen, whatever their lengths: so all vectors are stored and loaded alike.
         if pool > 0 {
-            rows(placement, block.words, pool, &mut self.words);
-            let indices = &mut self.words[3 * BLOCK..];
-            indices[..12].copy_from_slice(&block.words[3 * pool..3 * pool + 12]);
-            number(&mut self.words[words_of(0, BLOCK)..], &block.words[ids..], self.first);
+            kernel.place(placement, block.words, pool, rows(&mut self.words, 0));
+            *sixteen_mut(&mut self.words, 3 * BLOCK) = *sixteen(block.words, 3 * pool);
+            number(&mut self.words, words_of(0, BLOCK), sixteen(block.words, ids), self.first);
             return Block { len, pool: BLOCK, words: &self.words };
         }
         for corner in 0..3 {
-            rows(placement, &block.words[3 * corner * len..], len, &mut self.words[3 * corner * BLOCK..]);
+            kernel.place(placement, &block.words[3 * corner * len..], len, rows(&mut self.words, 3 * corner * BLOCK));
         }
-        number(&mut self.words[words_of(BLOCK, 0) - BLOCK..], &block.words[ids..], self.first);
+        number(&mut self.words, words_of(BLOCK, 0) - BLOCK, sixteen(block.words, ids), self.first);
         Block { len: BLOCK, pool: 0, words: &self.words }
     }
 }
@@ -84,25 +84,24 @@ fn sixteen(words: &[u32], at: usize) -> &[u32; BLOCK] {
     words[at..].first_chunk().unwrap_or(&[0; BLOCK])
 }
 
-/// Places sixteen points whose coordinates lie `stride` words apart.
+/// Sixteen words from a place on; the first that there are if these are fewer.
 #[inline(always)]
-fn rows(placement: &Placement, from: &[u32], stride: usize, to: &mut [u32]) {
-    let (x, y, z) = (sixteen(from, 0), sixteen(from, stride), sixteen(from, 2 * stride));
-    for (axis, row) in placement.rows.iter().enumerate() {
-        let Some(to) = to[axis * BLOCK..].first_chunk_mut::<BLOCK>() else { return };
-        for i in 0..BLOCK {
-            let at = Placement::coordinate(row, f32::from_bits(x[i]), f32::from_bits(y[i]), f32::from_bits(z[i]));
-            to[i] = at.to_bits();
-        }
-    }
+fn sixteen_mut(words: &mut [u32; WORDS], at: usize) -> &mut [u32; BLOCK] {
+    let at = at.min(WORDS - BLOCK);
+    words[at..].first_chunk_mut().unwrap_or_else(|| unreachable!("as many follow"))
+}
+
+/// Three rows of sixteen words from a place on.
+#[inline(always)]
+fn rows(words: &mut [u32; WORDS], at: usize) -> &mut [u32; 3 * BLOCK] {
+    let at = at.min(WORDS - 3 * BLOCK);
+    words[at..].first_chunk_mut().unwrap_or_else(|| unreachable!("as many follow"))
 }
 
 /// Sixteen numbers of triangles, counted from `first`.
 #[inline(always)]
-fn number(to: &mut [u32], from: &[u32], first: u32) {
-    let from = sixteen(from, 0);
-    let Some(to) = to.first_chunk_mut::<BLOCK>() else { return };
-    for i in 0..BLOCK {
-        to[i] = from[i].wrapping_add(first);
+fn number(words: &mut [u32; WORDS], at: usize, from: &[u32; BLOCK], first: u32) {
+    for (to, from) in sixteen_mut(words, at).iter_mut().zip(from) {
+        *to = from.wrapping_add(first);
     }
 }

@@ -25,14 +25,14 @@ const U64: f64 = 1e-14;
 pub struct Space {
     /// From the mesh to the common frame.
     pub placement: Placement,
-    /// From the common frame to the mesh.
-    inverse: DMat3,
+    /// From the common frame to the mesh: three columns. All rows of four are for vectors; the last number means nothing.
+    inverse: [[f64; 4]; 3],
     /// Where the common origin lies in the mesh's coordinates.
-    from: DVec3,
+    from: [f64; 4],
     /// Blur by each of the axes of a ray's origin.
-    blur_of_origin: [Vec3; 3],
+    blur_of_origin: [[f32; 4]; 3],
     /// Blur of any ray.
-    blur: Vec3,
+    blur: [f32; 4],
 }
 
 impl Space {
@@ -54,13 +54,13 @@ impl Space {
             + inverse_size * translation.abs() * U64
             + (undone * 2.0 + DMat3::IDENTITY * (2.0 * U)) * own;
         // Rounded up: these are sums of few positive numbers.
-        let up = |v: DVec3| (v * 1.0001).as_vec3() + Vec3::splat(f32::MIN_POSITIVE);
-        let columns = [inverse_size.x_axis, inverse_size.y_axis, inverse_size.z_axis];
+        let up = |v: DVec3| ((v * 1.0001).as_vec3() + Vec3::splat(f32::MIN_POSITIVE)).extend(0.0).to_array();
+        let columns = |m: &DMat3| [m.x_axis, m.y_axis, m.z_axis];
         Self {
             placement: *placement,
-            inverse,
-            from,
-            blur_of_origin: columns.map(|column| up(column * (12.0 * U))),
+            inverse: columns(&inverse).map(|column| column.extend(0.0).to_array()),
+            from: from.extend(0.0).to_array(),
+            blur_of_origin: columns(&inverse_size).map(|column| up(column * (12.0 * U))),
             blur: up(blur),
         }
     }
@@ -68,12 +68,20 @@ impl Space {
     /// Sets a ray as the tree sees it; gives the largest blur.
     #[inline(always)]
     pub fn set(&self, slab: &mut SlabRay, ray: &Ray) -> f32 {
-        let origin = self.inverse * ray.origin.as_dvec3() + self.from;
-        let dir = self.inverse * ray.dir.as_dvec3();
-        let [x, y, z] = ray.origin.abs().to_array();
-        let by_origin = self.blur_of_origin[0] * x + self.blur_of_origin[1] * y + self.blur_of_origin[2] * z;
-        let blur = self.blur + by_origin + origin.as_vec3().abs() * (4.5 * U as f32);
-        slab.set_blurred(origin, dir, blur);
-        blur.max_element()
+        let [x, y, z] = &self.inverse;
+        let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
+        let ([by_x, by_y, by_z], far) = (&self.blur_of_origin, ray.origin.abs());
+        let (mut origin, mut dir, mut blur) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+        for i in 0..4 {
+            origin[i] = x[i] * o.x + y[i] * o.y + z[i] * o.z + self.from[i];
+            dir[i] = x[i] * d.x + y[i] * d.y + z[i] * d.z;
+        }
+        for i in 0..4 {
+            let by_origin = by_x[i] * far.x + by_y[i] * far.y + by_z[i] * far.z;
+            blur[i] = self.blur[i] + by_origin + (origin[i] as f32).abs() * (4.5 * U as f32);
+        }
+        let [blur_x, blur_y, blur_z, _] = blur;
+        slab.set_blurred([origin[0], origin[1], origin[2]], [dir[0], dir[1], dir[2]], [blur_x, blur_y, blur_z]);
+        blur_x.max(blur_y).max(blur_z)
     }
 }

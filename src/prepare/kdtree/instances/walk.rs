@@ -10,6 +10,7 @@ use super::super::wide::traverse::Walk;
 use super::Instances;
 use super::place::Placing;
 use crate::math::{Hit, Ray};
+use std::mem::MaybeUninit;
 
 /// A ray among the boxes of instances.
 #[derive(Clone, Copy, Default)]
@@ -77,21 +78,20 @@ impl<const ANY: bool, Accept: FnMut(&Hit) -> bool> Job for Single<'_, ANY, Accep
         walk.begin_outside(self.ray, [NO_TRIANGLE; 2]);
         let mut placing = Placing::new();
         let mut outside = Outside::default();
-        Stack::with(|outer| {
-            Stack::with(|inner| {
-                outside.begin(kernel, self.all, self.ray, outer);
-                while let Some(instance) = outside.next(kernel, self.all, walk.end(), outer) {
-                    let tree = enter(&mut walk, self.all, instance, self.ray);
-                    let member = &self.all.members[instance];
-                    placing.set(member.placement(), member.first);
-                    let found = walk.go::<ANY>(tree, inner, &mut placing, &mut self.accept);
-                    if ANY && found {
-                        break;
-                    }
-                    inner.clear_if(true);
-                }
-            });
-        });
+        // Without closures, which would not be compiled for the kernel's instructions.
+        let (mut outer, mut inner) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+        let (outer, inner) = (Stack::begin(&mut outer), Stack::begin(&mut inner));
+        outside.begin(kernel, self.all, self.ray, outer);
+        while let Some(instance) = outside.next(kernel, self.all, walk.end(), outer) {
+            let tree = enter(&mut walk, self.all, instance, self.ray);
+            let member = &self.all.members[instance];
+            placing.set(member.placement(), member.first);
+            let found = walk.go::<ANY>(tree, inner, &mut placing, &mut self.accept);
+            if ANY && found {
+                break;
+            }
+            inner.clear_if(true);
+        }
         walk.hit()
     }
 }

@@ -11,7 +11,7 @@ use super::stack::Stack;
 use super::{stream, traverse};
 use crate::math::simd::SimdTier;
 use crate::math::triangle::ShearedRay;
-use crate::math::{Hit, Ray};
+use crate::math::{Hit, Placement, Ray};
 use std::arch::x86_64::*;
 
 /// Proof that the machine has AVX2 and FMA.
@@ -91,6 +91,12 @@ impl Kernel for Avx2 {
     fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
         unsafe { candidates(ray, block, barred) }
+    }
+
+    #[inline(always)]
+    fn place(self, placement: &Placement, from: &[u32], stride: usize, to: &mut [u32; 3 * WIDTH]) {
+        // SAFETY: `self` is the proof that the machine has the features.
+        unsafe { place(placement, from, stride, to) }
     }
 }
 
@@ -210,4 +216,25 @@ fn candidates(ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
         missed |= (_mm256_movemask_ps(not) as u32) << begin;
     }
     !missed & ((1 << len) - 1)
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn place(placement: &Placement, from: &[u32], stride: usize, to: &mut [u32; 3 * WIDTH]) {
+    assert!(from.len() >= 2 * stride + WIDTH);
+    let (from, to) = (from.as_ptr().cast::<f32>(), to.as_mut_ptr().cast::<f32>());
+    for begin in (0..WIDTH).step_by(4) {
+        // SAFETY: four of the 16 words of a row, which begin at 0, `stride` and twice that: the assertion allows them.
+        let [x, y, z] = unsafe {
+            let row = |axis: usize| _mm256_cvtps_pd(_mm_loadu_ps(from.add(axis * stride + begin)));
+            [row(0), row(1), row(2)]
+        };
+        for (axis, [a, b, c, d]) in placement.rows.iter().enumerate() {
+            let [a, b, c, d] = [a, b, c, d].map(|x| _mm256_set1_pd(*x));
+            let sum = _mm256_add_pd(_mm256_mul_pd(a, x), _mm256_mul_pd(b, y));
+            let sum = _mm256_add_pd(_mm256_add_pd(sum, _mm256_mul_pd(c, z)), d);
+            // SAFETY: four words of one of three rows.
+            unsafe { _mm_storeu_ps(to.add(axis * WIDTH + begin), _mm256_cvtpd_ps(sum)) };
+        }
+    }
 }

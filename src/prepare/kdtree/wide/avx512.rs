@@ -11,7 +11,7 @@ use super::stack::Stack;
 use super::{stream, traverse};
 use crate::math::simd::SimdTier;
 use crate::math::triangle::ShearedRay;
-use crate::math::{Hit, Ray};
+use crate::math::{Hit, Placement, Ray};
 use std::arch::x86_64::*;
 
 /// Proof that the machine has AVX-512 F, BW, DQ and VL.
@@ -101,6 +101,12 @@ impl Kernel for Avx512 {
     fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
         unsafe { candidates(ray, block, barred) }
+    }
+
+    #[inline(always)]
+    fn place(self, placement: &Placement, from: &[u32], stride: usize, to: &mut [u32; 3 * WIDTH]) {
+        // SAFETY: `self` is the proof that the machine has the features.
+        unsafe { place(placement, from, stride, to) }
     }
 }
 
@@ -243,5 +249,60 @@ unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
         let out = _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred[0] as i32))
             | _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred[1] as i32));
         u32::from(!(negative & positive | behind | out)) & ((1 << len) - 1)
+    }
+}
+
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn place(placement: &Placement, from: &[u32], stride: usize, to: &mut [u32; 3 * WIDTH]) {
+    assert!(from.len() >= 2 * stride + WIDTH);
+    let from = from.as_ptr().cast::<f32>();
+    let to = to.as_mut_ptr().cast::<f32>();
+    // SAFETY: rows of 16 words begin at 0, `stride` and twice that, which the assertion allows, and at 0, 16 and 32.
+    unsafe {
+        let (x, y, z) =
+            (_mm512_loadu_ps(from), _mm512_loadu_ps(from.add(stride)), _mm512_loadu_ps(from.add(2 * stride)));
+        let (x_low, y_low, z_low) = (low(x), low(y), low(z));
+        let (x_high, y_high, z_high) = (high(x), high(y), high(z));
+        for (axis, row) in placement.rows.iter().enumerate() {
+            let (first, second) = (coordinate(row, x_low, y_low, z_low), coordinate(row, x_high, y_high, z_high));
+            let both = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(first), second);
+            _mm512_storeu_ps(to.add(axis * WIDTH), both);
+        }
+    }
+}
+
+/// The first eight of sixteen numbers, in double precision.
+///
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn low(x: __m512) -> __m512d {
+    // SAFETY: as promised.
+    unsafe { _mm512_cvtps_pd(_mm512_castps512_ps256(x)) }
+}
+
+/// The last eight of sixteen numbers, in double precision.
+///
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn high(x: __m512) -> __m512d {
+    // SAFETY: as promised.
+    unsafe { _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(x)) }
+}
+
+/// [`Placement::coordinate`] of eight points: the same operations, none of them fused.
+///
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn coordinate(row: &[f64; 4], x: __m512d, y: __m512d, z: __m512d) -> __m256 {
+    // SAFETY: as promised.
+    unsafe {
+        let sum = _mm512_add_pd(_mm512_mul_pd(_mm512_set1_pd(row[0]), x), _mm512_mul_pd(_mm512_set1_pd(row[1]), y));
+        let sum = _mm512_add_pd(sum, _mm512_mul_pd(_mm512_set1_pd(row[2]), z));
+        _mm512_cvtpd_ps(_mm512_add_pd(sum, _mm512_set1_pd(row[3])))
     }
 }

@@ -4,6 +4,7 @@ use super::super::block::Block;
 use super::super::slab::SlabRay;
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
+use crate::math::Placement;
 use crate::math::triangle::ShearedRay;
 
 /// A ray as the test of a node's boxes wants it. Small, since many may be in flight: kernels spread its numbers as they load them.
@@ -52,6 +53,10 @@ pub trait Kernel: Copy {
     /// Which of a leaf block's triangles but the `barred` ones the ray may meet, the first in the lowest bit: at least all that
     /// it does. The block's words reach 64 words beyond its end.
     fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32;
+
+    /// Places sixteen points, whose coordinates lie in `from` in rows `stride` words apart, as [`Placement::point`] does: bit for
+    /// bit. Rows reach 16 words beyond the beginning of the last.
+    fn place(self, placement: &Placement, from: &[u32], stride: usize, to: &mut [u32; 3 * WIDTH]);
 }
 
 /// Work that is compiled for the instructions of whatever kernel does it; for that, it has to be inlined for certain.

@@ -16,7 +16,7 @@ pub mod packet;
 mod packet_exact;
 mod packet_lanes;
 mod prefetch;
-mod scalar;
+pub mod scalar;
 pub mod stack;
 pub mod stream;
 pub mod traverse;

@@ -5,6 +5,7 @@ use super::super::slab::GROWTH;
 use super::kernel::{BoxRay, Kernel};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
+use crate::math::Placement;
 use crate::math::triangle::ShearedRay;
 
 /// Plain code, for any machine; what the other kernels are compared with.
@@ -42,5 +43,16 @@ impl Kernel for Scalar {
             !barred.contains(&block.triangle(i)) && ray.meet(block.corners(i), 0).is_some_and(|hit| 0.0 < hit.t)
         };
         (0..block.len).map(|i| u32::from(meets(i)) << i).sum()
+    }
+
+    #[inline]
+    fn place(self, placement: &Placement, from: &[u32], stride: usize, to: &mut [u32; 3 * WIDTH]) {
+        for i in 0..WIDTH {
+            let at = |axis: usize| f32::from_bits(from[axis * stride + i]);
+            let point = placement.point([at(0), at(1), at(2)]);
+            for axis in 0..3 {
+                to[axis * WIDTH + i] = point[axis].to_bits();
+            }
+        }
     }
 }

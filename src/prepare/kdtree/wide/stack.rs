@@ -50,7 +50,7 @@ impl Stack {
 
     /// Makes an empty stack without a touch of what may stay uninitialised.
     #[inline(always)]
-    fn begin(place: &mut MaybeUninit<Self>) -> &mut Self {
+    pub fn begin(place: &mut MaybeUninit<Self>) -> &mut Self {
         let stack = place.as_mut_ptr();
         // SAFETY: all writes go to fields of the place; what is not written need not be initialised by its type.
         unsafe {

@@ -162,7 +162,7 @@ impl<K: Kernel> Walk<K> {
     #[inline(always)]
     pub fn test_block<P: Place>(&mut self, block: Block, place: &mut P, accept: &mut impl FnMut(&Hit) -> bool) -> bool {
         let real = if P::PADS { (1u32 << block.len) - 1 } else { u32::MAX };
-        let block = place.place(block);
+        let block = place.place(self.kernel, block);
         let mut candidates = self.kernel.candidates(&self.sheared, &block, self.barred) & real;
         let mut found = false;
         while candidates != 0 {

@@ -9,8 +9,8 @@ use super::kernel::{BoxRay, Kernel};
 use super::node::{WIDTH, WideNode};
 use super::scalar::Scalar;
 use super::stack::{Stack, Waiting};
-use crate::math::Ray;
 use crate::math::triangle::ShearedRay;
+use crate::math::{Placement, Ray};
 use crate::prepare::kdtree::Triangles;
 use glam::Vec3;
 
@@ -118,11 +118,30 @@ fn check(kernel: impl Kernel) -> u32 {
     vain
 }
 
+/// Places come out bit for bit.
+fn check_places(kernel: impl Kernel) {
+    let mut random = Random(5);
+    for _ in 0..200 {
+        let mut row = || [0; 4].map(|_| f64::from(random.unit()) * 3.7 - 1.1 / 3.0);
+        let placement = Placement { rows: [row(), row(), row()] };
+        for stride in [3, 16, 21] {
+            let from: Vec<u32> = (0..2 * stride + WIDTH).map(|_| (random.unit() * 9.0 - 4.0).to_bits()).collect();
+            let (mut expected, mut placed) = ([0; 3 * WIDTH], [0; 3 * WIDTH]);
+            Scalar.place(&placement, &from, stride, &mut expected);
+            kernel.place(&placement, &from, stride, &mut placed);
+            assert_eq!(placed, expected);
+        }
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn avx2_does_what_plain_code_does() {
     match super::avx2::Avx2::new() {
-        Some(kernel) => assert!(check(kernel) < 4000, "the line misses most"),
+        Some(kernel) => {
+            assert!(check(kernel) < 4000, "the line misses most");
+            check_places(kernel);
+        }
         None => println!("skipped: no AVX2 on this machine"),
     }
 }
@@ -131,7 +150,10 @@ fn avx2_does_what_plain_code_does() {
 #[test]
 fn avx512_does_what_plain_code_does() {
     match super::avx512::Avx512::new() {
-        Some(kernel) => assert!(check(kernel) < 20, "next to nothing is tested in vain"),
+        Some(kernel) => {
+            assert!(check(kernel) < 20, "next to nothing is tested in vain");
+            check_places(kernel);
+        }
         None => println!("skipped: no AVX-512 on this machine"),
     }
 }
