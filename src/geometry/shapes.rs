@@ -246,3 +246,80 @@ fn bounds_if_kept(mesh: &Mesh, placement: &Placement, expected: &[bool]) -> Opti
     }
     bounds
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Geometry, WorldFrame, world_bounds};
+    use super::*;
+    use glam::DAffine3;
+    use kiln_formats::repair::shapes::icosphere;
+    use kiln_formats::scene::{Instance, Material};
+
+    /// Two spheres of different materials, of which one is drawn twice, and once flat.
+    fn spheres() -> Scene {
+        let (positions, triangles) = icosphere(1);
+        let mesh = |material| Mesh {
+            normals: positions.clone(),
+            positions: positions.clone(),
+            triangles: triangles.clone(),
+            material,
+            ..Mesh::default()
+        };
+        let at = |mesh, x: f64, scale: DVec3| Instance {
+            name: String::new(),
+            mesh,
+            transform: DAffine3::from_translation(DVec3::X * x) * DAffine3::from_scale(scale),
+        };
+        let flat = DVec3::new(1.0, 0.0, 1.0);
+        Scene {
+            materials: vec![Material::default(), Material::default()],
+            meshes: vec![mesh(0), mesh(1)],
+            instances: vec![
+                at(0, 0.0, DVec3::ONE),
+                at(0, 3.0, flat),
+                at(1, 6.0, DVec3::new(-0.5, 0.7, 0.3)),
+                at(0, 9.0, DVec3::splat(0.1)),
+            ],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn shared_triangles_answer_as_copies_do() {
+        let scene = spheres();
+        let frame = WorldFrame::new(&scene, world_bounds(&scene));
+        let copied = Geometry::new(&scene, &frame);
+        let shared = Geometry::sharing(&scene, &frame, &Sharing::ALWAYS);
+        assert_eq!((copied.shapes().len(), shared.shapes().len()), (0, 1), "materials do not matter");
+        let sharing: Vec<u32> = shared.shared_parts().map(|(part, ..)| part.mesh).collect();
+        assert_eq!(sharing, [0, 1, 0], "what is flat is copied");
+        assert_eq!((copied.len(), copied.degenerate), (shared.len(), shared.degenerate));
+        for t in 0..copied.len() as u32 {
+            let answers = |g: &Geometry| {
+                (
+                    g.corners(t),
+                    g.unit_normal(t),
+                    g.front_normal(t),
+                    g.corner_normals(t),
+                    g.part_index(t),
+                    g.number_in_mesh(t),
+                )
+            };
+            assert_eq!(answers(&copied), answers(&shared));
+        }
+    }
+
+    #[test]
+    fn nothing_is_shared_for_small_gains() {
+        let scene = spheres();
+        let frame = WorldFrame::new(&scene, world_bounds(&scene));
+        let shapes = |least_triangles, least_saved| {
+            Geometry::sharing(&scene, &frame, &Sharing { least_triangles, least_saved }).shapes().len()
+        };
+        let triangles = scene.meshes[0].triangles.len() as u64;
+        assert_eq!(
+            (shapes(triangles, 3 * triangles), shapes(triangles + 1, 0), shapes(0, 3 * triangles + 1)),
+            (1, 0, 0)
+        );
+    }
+}

@@ -155,6 +155,7 @@ impl Geometry {
         if self.shapes.is_empty() { At::Own(triangle as usize) } else { self.at_among_shared(triangle) }
     }
 
+    #[inline(never)]
     fn at_among_shared(&self, triangle: u32) -> At<'_> {
         let part = self.part(triangle);
         let number = triangle - part.first_triangle;
@@ -167,7 +168,15 @@ impl Geometry {
     /// The corners of a triangle.
     #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        match self.at(triangle) {
+        if self.shapes.is_empty() {
+            return self.corners[triangle as usize].map(|i| self.positions[i as usize]);
+        }
+        self.corners_among_shared(triangle)
+    }
+
+    #[inline(never)]
+    fn corners_among_shared(&self, triangle: u32) -> [Vec3; 3] {
+        match self.at_among_shared(triangle) {
             At::Own(at) => self.corners[at].map(|i| self.positions[i as usize]),
             At::Shared(part, shape, at) => shape.corners[at].map(|i| part.placement.point(shape.positions[i as usize])),
         }

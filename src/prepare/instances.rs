@@ -10,11 +10,18 @@ use kiln_formats::{Control, Stopped};
 const LEAST_TRIANGLES: u64 = 1000;
 /// Copies of fewer triangles than these are no burden.
 const LEAST_SAVED: u64 = 200_000;
+/// Copies of so many triangles, some 130 bytes each and twice as much while their tree is built, are too many for any gain of speed.
+const MOST_COPIED: u64 = 1_000_000;
+/// A copy of a triangle takes as long to be built into a tree as so many rays gain by meeting copies.
+const RAYS_FOR_A_COPY: u64 = 10;
 
-/// From when on triangles are shared.
-pub fn sharing(asked: Instances) -> Sharing {
+/// From when on triangles are shared: a question of numbers of triangles and rays, never of a clock.
+pub fn sharing(asked: Instances, planned_rays: Option<u64>) -> Sharing {
+    let worth = planned_rays.map_or(0, |rays| rays / RAYS_FOR_A_COPY);
     match asked {
-        Instances::Auto => Sharing { least_triangles: LEAST_TRIANGLES, least_saved: LEAST_SAVED },
+        Instances::Auto => {
+            Sharing { least_triangles: LEAST_TRIANGLES, least_saved: worth.clamp(LEAST_SAVED, MOST_COPIED) }
+        }
         Instances::Always => Sharing::ALWAYS,
         Instances::Never => Sharing::NEVER,
     }

@@ -139,7 +139,7 @@ pub(crate) fn prepare_knowing(
     let bounds = world_bounds(&scene);
     let frame = WorldFrame::new(&scene, bounds);
     control.check()?;
-    let geometry = Geometry::sharing(&scene, &frame, &instances::sharing(settings.instances));
+    let geometry = Geometry::sharing(&scene, &frame, &instances::sharing(settings.instances, settings.planned_rays));
     control.check()?;
     let environment = Environment::new(environment, scene.up);
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);

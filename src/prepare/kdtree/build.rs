@@ -78,8 +78,7 @@ impl<T: Triangles> Context<'_, T> {
     fn fork(&self, mut refs: Vec<Reference>, cell: Cell, out: &mut Built) -> Result<(), Stopped> {
         self.control.check()?;
         if refs.len() <= FORK_ABOVE {
-            let mut parked = Vec::with_capacity(refs.len());
-            return self.cpu.measure(|| self.descend(&mut refs, 0, &mut parked, cell, out));
+            return self.cpu.measure(|| self.descend(&mut refs, 0, cell, out));
         }
         let mut right_refs = Vec::new();
         let sides = self.cpu.measure(|| {
@@ -106,31 +105,24 @@ impl<T: Triangles> Context<'_, T> {
         Ok(())
     }
 
-    /// Builds a small cell whose references are `refs[base..]`, and takes them away. What lies right of planes is parked on
-    /// the other stack meanwhile: no cell asks the system for memory.
-    fn descend(
-        &self,
-        refs: &mut Vec<Reference>,
-        base: usize,
-        parked: &mut Vec<Reference>,
-        cell: Cell,
-        out: &mut Built,
-    ) -> Result<(), Stopped> {
-        let n = refs.len() - base;
+    /// Builds a small cell whose references are `arena[base..]`; takes them off the arena.
+    fn descend(&self, arena: &mut Vec<Reference>, base: usize, cell: Cell, out: &mut Built) -> Result<(), Stopped> {
+        let n = arena.len() - base;
         if n >= POLL_EVERY {
             self.control.check()?;
         }
-        let parked_base = parked.len();
-        let sides = self.choose(&refs[base..], &cell).and_then(|plane| self.deal(refs, base, parked, plane, &cell));
+        let mut right_refs = Vec::new();
+        let sides =
+            self.choose(&arena[base..], &cell).and_then(|plane| self.deal(arena, base, &mut right_refs, plane, &cell));
         let Some(sides) = sides else {
-            leaf(&refs[base..], out);
-            refs.truncate(base);
+            leaf(&arena[base..], out);
+            arena.truncate(base);
             return Ok(());
         };
         let at = out.begin_split(&cell, sides.plane);
-        self.descend(refs, base, parked, sides.left, out)?;
+        self.descend(arena, base, sides.left, out)?;
         out.begin_right(at);
-        self.descend(parked, parked_base, refs, sides.right, out)
+        self.descend(&mut right_refs, 0, sides.right, out)
     }
 
     fn choose(&self, refs: &[Reference], cell: &Cell) -> Option<Plane> {
@@ -144,7 +136,7 @@ impl<T: Triangles> Context<'_, T> {
         }
     }
 
-    /// Deals `refs[base..]` to the sides of a plane: the left side stays in place, the right one is added to `right`. `None`,
+    /// Deals `refs[base..]` to the sides of a plane: the left side stays in place, the right one goes to `right`. `None`,
     /// with the references as they were, when the plane gains nothing or costs more duplicates than the cell may have.
     fn deal(
         &self,
@@ -159,7 +151,6 @@ impl<T: Triangles> Context<'_, T> {
         if n_left == 0 || n_right == 0 || (n_left == n && n_right == n) || both > cell.budget {
             return None;
         }
-        let right_base = right.len();
         right.reserve_exact(n_right);
         let (mut left_bounds, mut right_bounds) = (Bounds::EMPTY, Bounds::EMPTY);
         let mut kept = base;
@@ -182,7 +173,7 @@ impl<T: Triangles> Context<'_, T> {
             }
         }
         refs.truncate(kept);
-        let (n_left, n_right) = (kept - base, right.len() - right_base);
+        let (n_left, n_right) = (kept - base, right.len());
         let spare = cell.budget.saturating_sub((n_left + n_right).saturating_sub(n));
         let left_share = (spare as f64 * n_left as f64 / (n_left + n_right) as f64) as usize;
         let child = |bounds: Bounds, budget: usize, side: u64| Cell {

@@ -22,21 +22,21 @@ const LARGE_LEAF_SLACK: f32 = 1.3;
 #[inline(always)]
 pub fn choose(refs: &[Reference], cell: &Cell) -> Option<Plane> {
     match refs.len() {
-        ..=64 => choose_among::<8, 64>(refs, cell),
-        65..=REFINE_UP_TO => choose_among::<16, REFINE_UP_TO>(refs, cell),
-        _ => choose_among::<32, 0>(refs, cell),
+        ..=64 => choose_among::<8>(refs, cell),
+        65..=256 => choose_among::<16>(refs, cell),
+        _ => choose_among::<32>(refs, cell),
     }
 }
 
-/// With so many bins, and of cells of at most so many references if their planes are refined.
 #[inline(always)]
-fn choose_among<const BINS: usize, const REFINED: usize>(refs: &[Reference], cell: &Cell) -> Option<Plane> {
+fn choose_among<const BINS: usize>(refs: &[Reference], cell: &Cell) -> Option<Plane> {
     let stride = if refs.len() > SAMPLE_ABOVE { SAMPLE_STRIDE } else { 1 };
     let mut best = Bins::<BINS>::fill(refs, cell, stride).cheapest(refs.len(), cell, stride)?;
-    let width = (cell.bounds.hi(best.plane.axis) - cell.bounds.lo(best.plane.axis)) / BINS as f32;
-    if refs.len() <= REFINED {
-        best = refine::<REFINED>(refs, cell, best, width);
+    if refs.len() <= REFINE_UP_TO {
+        let width = (cell.bounds.hi(best.plane.axis) - cell.bounds.lo(best.plane.axis)) / BINS as f32;
+        best = refine(refs, cell, best, width);
     } else {
+        let width = (cell.bounds.hi(best.plane.axis) - cell.bounds.lo(best.plane.axis)) / BINS as f32;
         best.plane = snap::to_an_edge(refs, cell, best.plane, width);
     }
     let slack = if refs.len() > LARGE_LEAF { LARGE_LEAF_SLACK } else { 1.0 };
@@ -133,90 +133,64 @@ impl<const BINS: usize> Bins<BINS> {
     }
 }
 
-/// A number that sorts like a coordinate, with the index of a reference below it.
+/// Moves a plane to the best edge of a reference within a bin of it.
 #[inline(always)]
-fn keyed(x: f32, i: usize) -> u64 {
-    let bits = x.to_bits();
-    let order = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
-    u64::from(order) << 32 | i as u64
-}
-
-/// The reference of a [`keyed`] number.
-#[inline(always)]
-fn of_key(refs: &[Reference], key: u64) -> &Reference {
-    &refs[key as u32 as usize]
-}
-
-/// Moves a plane to the best edge of a reference within a bin of it. There are `MOST` references at most.
-#[inline(always)]
-fn refine<const MOST: usize>(refs: &[Reference], cell: &Cell, coarse: Candidate, width: f32) -> Candidate {
+fn refine(refs: &[Reference], cell: &Cell, coarse: Candidate, width: f32) -> Candidate {
     let axis = coarse.plane.axis;
     let window = (coarse.plane.at - width, coarse.plane.at + width);
     let area = cell.bounds.half_area();
     // Most references lie on one side of all candidates: they are merged once.
-    let (mut left, mut right_of_all) = (Bounds::EMPTY, Bounds::EMPTY);
+    let (mut left_of_all, mut right_of_all) = (Bounds::EMPTY, Bounds::EMPTY);
     let (mut left_count, mut right_count) = (0usize, 0usize);
-    // The others by where they begin, and by where they end.
-    let (mut begins, mut ends) = ([0u64; MOST], [0u64; MOST]);
-    let mut len = 0;
-    for (i, reference) in refs.iter().enumerate().take(MOST) {
+    let mut between = [0u16; REFINE_UP_TO];
+    let mut edges = [0.0f32; 2 * REFINE_UP_TO];
+    let (mut between_len, mut edges_len) = (0, 0);
+    for (i, reference) in refs.iter().enumerate().take(REFINE_UP_TO) {
         let (lo, hi) = (reference.lo(axis), reference.hi(axis));
         if hi <= window.0 {
-            left.merge(reference);
+            left_of_all.merge(reference);
             left_count += 1;
         } else if lo >= window.1 {
             right_of_all.merge(reference);
             right_count += 1;
         } else {
-            (begins[len], ends[len]) = (keyed(lo, i), keyed(hi, i));
-            len += 1;
+            between[between_len] = i as u16;
+            between_len += 1;
+        }
+        for x in [lo, hi] {
+            if window.0 < x && x < window.1 && cell.bounds.lo(axis) < x && x < cell.bounds.hi(axis) {
+                edges[edges_len] = x;
+                edges_len += 1;
+            }
         }
     }
-    let (begins, ends) = (&mut begins[..len], &mut ends[..len]);
-    begins.sort_unstable();
-    ends.sort_unstable();
-    // What lies right of a plane that so many of them end before.
-    let mut right = [Bounds::EMPTY; MOST];
-    let mut bounds = right_of_all;
-    for (k, key) in ends.iter().enumerate().rev() {
-        bounds.merge(of_key(refs, *key));
-        right[k] = bounds;
-    }
-    let within = (window.0.max(cell.bounds.lo(axis)), window.1.min(cell.bounds.hi(axis)));
-    let begin = |k: usize| of_key(refs, begins[k]).lo(axis);
-    let end = |k: usize| of_key(refs, ends[k]).hi(axis);
     let mut best = coarse;
     let mut previous = f32::NAN;
-    let (mut next_begin, mut next_end) = (0, 0);
-    let (mut begun, mut ended) = (0, 0);
-    while next_end < len {
-        let at = if next_begin < len && begin(next_begin) <= end(next_end) {
-            next_begin += 1;
-            begin(next_begin - 1)
-        } else {
-            next_end += 1;
-            end(next_end - 1)
-        };
-        if at == previous || !(within.0 < at && at < within.1) {
+    edges[..edges_len].sort_unstable_by(f32::total_cmp);
+    for &at in &edges[..edges_len] {
+        if at == previous {
             continue;
         }
         previous = at;
-        while begun < len && begin(begun) < at {
-            left.merge(of_key(refs, begins[begun]));
-            begun += 1;
+        let (mut left, mut right) = (left_of_all, right_of_all);
+        let (mut n_left, mut n_right) = (left_count, right_count);
+        for &i in &between[..between_len] {
+            let reference = &refs[usize::from(i)];
+            if reference.lo(axis) < at {
+                left.merge(reference);
+                n_left += 1;
+            }
+            if reference.hi(axis) > at {
+                right.merge(reference);
+                n_right += 1;
+            }
         }
-        while ended < len && end(ended) <= at {
-            ended += 1;
-        }
-        let (n_left, n_right) = (left_count + begun, right_count + len - ended);
         if n_left == 0 || n_right == 0 || (n_left + n_right).saturating_sub(refs.len()) > cell.budget {
             continue;
         }
-        let mut below = left;
-        let mut above = if ended < len { right[ended] } else { right_of_all };
-        below.set_hi(axis, below.hi(axis).min(at));
-        above.set_lo(axis, above.lo(axis).max(at));
-        let cost = split_cost(area, (below.half_area(), n_left), (above.half_area(), n_right));
+        left.set_hi(axis, left.hi(axis).min(at));
+        right.set_lo(axis, right.lo(axis).max(at));
+        let cost = split_cost(area, (left.half_area(), n_left), (right.half_area(), n_right));
         if cost < best.cost {
             best = Candidate { plane: Plane { axis, at }, cost };
         }
