@@ -27,7 +27,7 @@ pub fn animate(folder: &Path, frames_per_second: u16) -> io::Result<Vec<Animated
         let frames = frames(&record);
         (record, frames)
     };
-    let turntables: Vec<_> = record::read(folder)?.records.into_iter().map(with_frames).collect();
+    let turntables: Vec<_> = record::read(folder)?.into_iter().map(with_frames).collect();
     let animated = |(record, frames): &(Record, Vec<String>)| Animated {
         input: record.input.clone(),
         result: one(folder, frames, frames_per_second),

@@ -58,6 +58,10 @@ pub(super) struct Earlier {
     /// From the gallery's folder to it, ending in `/`, as a page needs it.
     link: String,
     records: Vec<Record>,
+    /// Their numbers by name.
+    known: HashMap<String, usize>,
+    /// Names of this run's assets.
+    here: HashSet<String>,
 }
 
 impl Earlier {
@@ -66,18 +70,20 @@ impl Earlier {
     /// # Errors
     /// Those of the file system.
     pub fn read(from: &Path, folder: &Path) -> io::Result<Self> {
-        let records = record::read(folder)?.records;
+        let records = record::read(folder)?;
+        let known = records.iter().enumerate().map(|(number, r)| (r.input.clone(), number)).collect();
         let whole = |path: &Path| path.canonicalize().map_err(|e| record::named(path, e));
         let link = relative(&whole(from)?, &whole(folder)?);
-        Ok(Self { folder: folder.to_path_buf(), own: from.to_path_buf(), link, records })
+        let (folder, own) = (folder.to_path_buf(), from.to_path_buf());
+        Ok(Self { folder, own, link, records, known, here: HashSet::new() })
     }
 
     /// Fills in what the earlier run made of these assets. `records` and `entries` belong together one by one.
-    pub fn compare(&self, records: &[Record], entries: &mut [Entry]) {
-        let known: HashMap<&str, &Record> = self.records.iter().map(|r| (r.input.as_str(), r)).collect();
+    pub fn compare(&mut self, records: &[Record], entries: &mut [Entry]) {
+        self.here.extend(records.iter().map(|r| r.input.clone()));
         let own = &self.own;
         entries.par_iter_mut().zip(records).for_each(|(entry, record)| {
-            let Some(earlier) = known.get(record.input.as_str()) else { return };
+            let Some(earlier) = self.known.get(&record.input).map(|number| &self.records[*number]) else { return };
             let (was, is) = (pictures(earlier), pictures(record));
             let mut before = self.before(earlier, Change::Same);
             before.change = match (was.is_empty(), is.is_empty()) {
@@ -96,10 +102,9 @@ impl Earlier {
         });
     }
 
-    /// Assets of the earlier run that are not in this one.
-    pub fn gone(&self, records: &[Record], words: &mut Words) -> Vec<Entry> {
-        let here: HashSet<&str> = records.iter().map(|r| r.input.as_str()).collect();
-        let gone = self.records.iter().filter(|r| !here.contains(r.input.as_str()));
+    /// Assets of the earlier run that were not compared: they are not in this one.
+    pub fn gone(&self, words: &mut Words) -> Vec<Entry> {
+        let gone = self.records.iter().filter(|r| !self.here.contains(&r.input));
         let entry = |record: &Record| Entry {
             status: "gone".into(),
             views: None,

@@ -14,7 +14,9 @@ use crate::write::atomic;
 pub use animate::{Animated, animate};
 use before::Earlier;
 use entry::{Entry, Words};
-use std::io;
+use page::{Head, Page};
+use record::{Manifest, Record};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 /// What a gallery is made of.
@@ -25,6 +27,9 @@ pub struct Gallery<'a> {
     /// The output folder of an earlier run to compare with.
     pub against: Option<&'a Path>,
 }
+
+/// Assets that are held at a time: enough to keep all cores busy with comparing pictures.
+const AT_A_TIME: usize = 1024;
 
 /// A gallery that has been written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,26 +50,40 @@ impl Gallery<'_> {
     /// # Errors
     /// Those of the file system, with the path; [`io::ErrorKind::NotFound`] when a folder has no manifest.
     pub fn write(&self) -> io::Result<Written> {
-        let manifest = record::read(self.folder)?;
-        let earlier = self.against.map(|folder| Earlier::read(self.folder, folder)).transpose()?;
-        let mut words = Words::default();
-        let mut entries: Vec<Entry> = manifest.records.iter().map(|r| Entry::of(r, &mut words)).collect();
-        if let Some(earlier) = &earlier {
-            earlier.compare(&manifest.records, &mut entries);
-            entries.extend(earlier.gone(&manifest.records, &mut words));
-        }
-        let contents = page::Contents {
+        let mut manifest = Manifest::open(self.folder)?;
+        let mut earlier = self.against.map(|folder| Earlier::read(self.folder, folder)).transpose()?;
+        let head = Head {
             title: name(self.folder),
             against: self.against.map(name),
             kiln: env!("CARGO_PKG_VERSION"),
-            unreadable: manifest.unreadable,
-            words,
-            assets: entries,
         };
         let path = self.folder.join("index.html");
-        let text = page::html(&contents)?;
-        atomic::write(&path, text.as_bytes()).map_err(|e| record::named(&path, e))?;
-        Ok(Written { path, assets: manifest.records.len(), unreadable: manifest.unreadable })
+        let mut assets = 0;
+        let written = atomic::write_with(&path, |target| {
+            let mut page = Page::begin(BufWriter::with_capacity(1 << 18, target), &head)?;
+            let mut words = Words::default();
+            let mut some = Vec::new();
+            let mut put = |records: &mut Vec<Record>, words: &mut Words, page: &mut Page<_>| {
+                let mut entries: Vec<Entry> = records.iter().map(|r| Entry::of(r, words)).collect();
+                if let Some(earlier) = &mut earlier {
+                    earlier.compare(records, &mut entries);
+                }
+                assets += records.len();
+                records.clear();
+                entries.iter().try_for_each(|entry| page.add(entry))
+            };
+            manifest.each(|record| {
+                some.push(record);
+                if some.len() < AT_A_TIME { Ok(()) } else { put(&mut some, &mut words, &mut page) }
+            })?;
+            put(&mut some, &mut words, &mut page)?;
+            if let Some(earlier) = &earlier {
+                earlier.gone(&mut words).iter().try_for_each(|entry| page.add(entry))?;
+            }
+            page.end(manifest.unreadable, &words)
+        });
+        written.map_err(|e| record::named(&path, e))?;
+        Ok(Written { path, assets, unreadable: manifest.unreadable })
     }
 }
 

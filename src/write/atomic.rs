@@ -57,6 +57,14 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     replace(path, |file| file.write_all(bytes))
 }
 
+/// As [`write()`], with what `fill` writes.
+///
+/// # Errors
+/// As [`write()`], and those of `fill`.
+pub fn write_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    replace(path, fill)
+}
+
 /// As [`write()`], with the bytes on disk before the file takes its name.
 ///
 /// # Errors
