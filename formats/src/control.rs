@@ -1,6 +1,6 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The work was stopped by its caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -12,6 +12,7 @@ struct Shared {
     stop: AtomicBool,
     done: AtomicU64,
     total: AtomicU64,
+    helpers_ns: AtomicU64,
 }
 
 /// A handle on running work: the worker polls it and reports to it, others ask for a stop and read the progress.
@@ -81,6 +82,16 @@ impl Control {
         self.shared.done.fetch_add(steps, Ordering::Relaxed);
     }
 
+    /// Adds CPU time that other threads than the caller's have spent on the work.
+    pub fn add_helpers_cpu(&self, time: Duration) {
+        self.shared.helpers_ns.fetch_add(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    /// CPU time that other threads than the caller's have spent on the work so far.
+    pub fn helpers_cpu(&self) -> Duration {
+        Duration::from_nanos(self.shared.helpers_ns.load(Ordering::Relaxed))
+    }
+
     /// Steps done and steps in all of the current stage.
     pub fn progress(&self) -> (u64, u64) {
         (self.shared.done.load(Ordering::Relaxed), self.shared.total.load(Ordering::Relaxed))
@@ -90,7 +101,6 @@ impl Control {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     #[test]
     fn a_deadline_stops_by_itself_and_is_inherited() {

@@ -2,14 +2,15 @@ use super::job::slashed;
 use globset::GlobSet;
 use kiln_formats::Format;
 use std::collections::BTreeSet;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use walkdir::{DirEntry, WalkDir};
 
 /// Where to look for assets.
 #[derive(Clone, Debug)]
 pub struct Discovery {
-    /// Folders to be searched with all that is below them.
+    /// Folders to be searched with all that is below them, and files that are taken as they are, whatever their endings and the
+    /// patterns.
     pub folders: Vec<PathBuf>,
     /// Only assets whose path below the folder matches, when it is not empty. `*` matches `/` too.
     pub include: GlobSet,
@@ -24,9 +25,9 @@ pub struct Discovery {
 pub struct Found {
     /// The file.
     pub path: PathBuf,
-    /// The folder given under which it was found.
-    pub folder: PathBuf,
-    /// Its path below that folder; with several folders, the folder's name is put before it.
+    /// The folder given under which it was found; `None`: it was given itself.
+    pub folder: Option<Arc<Path>>,
+    /// Its path below that folder; with several folders, the folder's name is put before it. Of a file that was given, its name.
     pub relative: PathBuf,
 }
 
@@ -60,8 +61,12 @@ pub struct Discovered {
 /// Links are followed, but not in circles. The order depends on names alone.
 pub fn discover(discovery: &Discovery) -> Discovered {
     let mut discovered = Discovered::default();
-    for (folder, prefix) in discovery.folders.iter().zip(prefixes(&discovery.folders)) {
-        search(discovery, folder, &prefix, &mut discovered);
+    for (place, name) in discovery.folders.iter().zip(names(&discovery.folders)) {
+        if place.is_file() {
+            discovered.found.push(Found { path: place.clone(), folder: None, relative: name });
+        } else {
+            search(discovery, place, &name, &mut discovered);
+        }
     }
     refuse_doubles(&mut discovered);
     discovered
@@ -86,6 +91,7 @@ fn refuse_doubles(discovered: &mut Discovered) {
 
 fn search(discovery: &Discovery, folder: &Path, prefix: &Path, discovered: &mut Discovered) {
     let output = discovery.output.canonicalize().ok();
+    let shared: Arc<Path> = folder.into();
     let below = |path: &Path| path.strip_prefix(folder).unwrap_or(path).to_path_buf();
     let enter = |entry: &DirEntry| {
         let is_output = || output.is_some() && entry.path().canonicalize().ok() == output;
@@ -97,7 +103,7 @@ fn search(discovery: &Discovery, folder: &Path, prefix: &Path, discovered: &mut 
         let relative = below(path);
         if Format::of(path).is_some() && (discovery.include.is_empty() || discovery.include.is_match(&relative)) {
             let relative = prefix.join(relative);
-            discovered.found.push(Found { path: path.to_path_buf(), folder: folder.to_path_buf(), relative });
+            discovered.found.push(Found { path: path.to_path_buf(), folder: Some(shared.clone()), relative });
         }
     };
     for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name().into_iter().filter_entry(enter) {
@@ -122,27 +128,42 @@ fn search(discovery: &Discovery, folder: &Path, prefix: &Path, discovered: &mut 
     }
 }
 
-/// What keeps the outputs of several folders apart: their names, counted up where they repeat. Nothing for one folder.
-fn prefixes(folders: &[PathBuf]) -> Vec<PathBuf> {
-    if folders.len() < 2 {
-        return vec![PathBuf::new(); folders.len()];
+/// What keeps the outputs of several places apart: the names of folders and files, counted up where they repeat (`oak.glb` and
+/// `oak-2.glb`). Nothing for one folder.
+fn names(places: &[PathBuf]) -> Vec<PathBuf> {
+    if let [folder] = places
+        && !folder.is_file()
+    {
+        return vec![PathBuf::new()];
     }
     let mut taken = BTreeSet::new();
-    folders
-        .iter()
-        .map(|folder| {
-            let canonical = folder.canonicalize().unwrap_or_else(|_| folder.clone());
-            let name: OsString = canonical.file_name().map_or_else(|| "root".into(), OsString::from);
-            let mut unique = name.clone();
-            let mut count = 1;
-            while !taken.insert(unique.clone()) {
-                count += 1;
-                unique = name.clone();
-                unique.push(format!("-{count}"));
+    let name = |place: &PathBuf| {
+        let is_file = place.is_file();
+        // A link to a file has the name of the link, whose ending counts; `.` has the name of the folder that it is.
+        let whole = if is_file { None } else { place.canonicalize().ok() };
+        let path = whole.as_deref().unwrap_or(place);
+        let name = PathBuf::from(path.file_name().unwrap_or_else(|| "root".as_ref()));
+        let (stem, ending) = if is_file { (name.file_stem(), name.extension()) } else { (name.file_name(), None) };
+        let counted = |count: u32| {
+            let mut counted = stem.unwrap_or_default().to_os_string();
+            if count > 1 {
+                counted.push(format!("-{count}"));
             }
-            PathBuf::from(unique)
-        })
-        .collect()
+            if let Some(ending) = ending {
+                counted.push(".");
+                counted.push(ending);
+            }
+            PathBuf::from(counted)
+        };
+        let mut unique = name.clone();
+        let mut count = 1;
+        while !taken.insert(unique.clone()) {
+            count += 1;
+            unique = counted(count);
+        }
+        unique
+    };
+    places.iter().map(name).collect()
 }
 
 #[cfg(test)]
@@ -191,6 +212,16 @@ mod tests {
         let tree = tree(&["x/chairs/oak.glb", "y/chairs/oak.glb", "chairs-2/oak.glb"]);
         let folders = ["x/chairs", "y/chairs", "chairs-2"].map(|f| tree.path().join(f));
         assert_eq!(names(&folders, &[], &[]), ["chairs/oak.glb", "chairs-2/oak.glb", "chairs-2-2/oak.glb"]);
+    }
+
+    #[test]
+    fn files_are_taken_as_they_are() {
+        let tree = tree(&["x/oak.glb", "y/oak.glb", "y/ash.obj", "notes.txt"]);
+        let places = |list: &[&str]| list.iter().map(|f| tree.path().join(f)).collect::<Vec<_>>();
+        let found = |list: &[&str]| names(&places(list), &["*.obj"], &["*.txt"]);
+        assert_eq!(found(&["x/oak.glb"]), ["oak.glb"]);
+        let want = ["oak.glb", "oak-2.glb", "oak-3.glb", "y/ash.obj", "notes.txt"];
+        assert_eq!(found(&["x/oak.glb", "y/oak.glb", "x/oak.glb", "y", "notes.txt"]), want);
     }
 
     #[cfg(unix)]

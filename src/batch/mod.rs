@@ -26,11 +26,13 @@ mod run;
 mod schedule;
 mod selfcheck;
 mod shard;
+mod shoot;
 mod sink;
 mod stages;
 mod tally;
 mod view_file;
 mod views;
+mod work;
 pub mod workers;
 
 pub use asset::{Desk, run_asset, run_asset_with};

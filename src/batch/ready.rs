@@ -1,6 +1,7 @@
-use super::asset::{Desk, Work};
+use super::asset::Desk;
 use super::budget::Budget;
 use super::failure::Failure;
+use super::work::Work;
 use super::{FileSink, Job, LoadedEnvironment, Outcome, Status};
 use crate::integrate::View;
 use crate::prepare::PreparedScene;

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 /// Which assets a batch is about.
 #[derive(Args, Clone, Debug)]
 pub struct Folders {
-    /// Folders that are searched for .gltf, .glb, .obj and .ray files
-    #[arg(required = true, value_name = "DIR")]
+    /// Folders that are searched for .gltf, .glb, .obj and .ray files, and such files themselves
+    #[arg(required = true, value_name = "DIR|FILE")]
     folders: Vec<PathBuf>,
     /// Only assets whose path below the folder matches (may be repeated; * matches / too)
     #[arg(long, value_name = "GLOB", value_parser = |text: &str| Glob::new(text))]
@@ -24,11 +24,8 @@ impl Folders {
     /// Finds the assets, and tells of places that cannot be searched.
     ///
     /// # Errors
-    /// When a folder is a file, or there are no assets.
+    /// When there are no assets.
     pub fn search(&self, out: &Path) -> Result<Discovered, Fatal> {
-        if let Some(file) = self.folders.iter().find(|f| f.is_file()) {
-            return Err(Fatal::usage(format!("{} is not a folder: kiln render takes one asset", file.display())));
-        }
         let discovered = discover(&self.discovery(out)?);
         for Unreadable { path, message } in &discovered.unreadable {
             eprintln!("warning: {} cannot be searched: {message}", path.display());
@@ -64,7 +61,7 @@ pub fn job(found: &Found, root: Option<&Path>, out: &Path, limits: Limits, setti
     Job {
         input: found.path.clone(),
         name: found.name(),
-        root: Some(root.unwrap_or(&found.folder).to_path_buf()),
+        root: root.or(found.folder.as_deref()).map(Path::to_path_buf),
         limits,
         output: Output { folder: out.to_path_buf(), stem: found.name().into(), ending: None },
         settings: settings.clone(),

@@ -52,11 +52,7 @@ impl Gallery<'_> {
     pub fn write(&self) -> io::Result<Written> {
         let mut manifest = Manifest::open(self.folder)?;
         let mut earlier = self.against.map(|folder| Earlier::read(self.folder, folder)).transpose()?;
-        let head = Head {
-            title: name(self.folder),
-            against: self.against.map(name),
-            kiln: env!("CARGO_PKG_VERSION"),
-        };
+        let head = Head { title: name(self.folder), against: self.against.map(name), kiln: env!("CARGO_PKG_VERSION") };
         let path = self.folder.join("index.html");
         let mut assets = 0;
         let written = atomic::write_with(&path, |target| {

@@ -103,7 +103,10 @@ mod tests {
         let data = page.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next()).expect("data");
         let data: serde_json::Value = serde_json::from_str(data).expect("JSON");
         assert_eq!(data["assets"].as_array().map(Vec::len), Some(2));
-        assert_eq!((&data["assets"][1]["input"], &data["title"], &data["words"][0]), (&evil.into(), &evil.into(), &evil.into()));
+        assert_eq!(
+            (&data["assets"][1]["input"], &data["title"], &data["words"][0]),
+            (&evil.into(), &evil.into(), &evil.into())
+        );
         assert_eq!(data["unreadable"], 3);
         assert_eq!(page.matches("\"use strict\"").count(), 1);
     }

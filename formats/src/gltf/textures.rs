@@ -5,11 +5,10 @@ use super::buffers::Buffers;
 use super::report::Report;
 use super::uri;
 use crate::scene::{ColorSpace, Filter, Image, Material, NormalMap, Scene, Surface, Texture, TextureRef, Wrap};
-use crate::{Control, ErrorCode, ImportError, Limits, Place, Resources, images};
+use crate::{Control, ErrorCode, ImportError, Limits, Place, Resources, images, parallel};
 use gltf::json;
 use gltf::json::texture::{MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -155,7 +154,7 @@ fn decode(
         control.advance(1);
         decoded
     };
-    Ok(encoded.par_iter().map(decode).collect())
+    Ok(parallel::map(encoded, control, decode))
 }
 
 /// Width times height by the header, 0 where it cannot be read.

@@ -4,8 +4,7 @@ use super::heights;
 use super::log::Log;
 use super::map::Map;
 use crate::scene::{Channel, ColorSpace, Image, ImageId, Pixels, Texture, TextureId, TextureRef, Wrap};
-use crate::{Control, ErrorCode, ImportError, Resources, images};
-use rayon::prelude::*;
+use crate::{Control, ErrorCode, ImportError, Resources, images, parallel};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -201,8 +200,7 @@ fn decode(files: &[(Vec<u8>, &Map)], max_texels: u64, control: &Control) -> Resu
         })
     };
     // A lone image is not worth waking other threads.
-    let decoded: Vec<Decoded> =
-        if files.len() > 1 { files.par_iter().map(one).collect() } else { files.iter().map(one).collect() };
+    let decoded = if files.len() > 1 { parallel::map(files, control, one) } else { files.iter().map(one).collect() };
     control.check()?;
     Ok(decoded)
 }

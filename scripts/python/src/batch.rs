@@ -13,7 +13,7 @@ use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -131,7 +131,7 @@ pub fn batch(
         let job = |found: &Found| Job {
             input: found.path.clone(),
             name: found.name(),
-            root: Some(found.folder.clone()),
+            root: found.folder.as_deref().map(Path::to_path_buf),
             limits: Limits::default(),
             output: Output { folder: out.clone(), stem: found.relative.clone(), ending: None },
             settings: settings.clone(),
