@@ -79,7 +79,7 @@ enum Command {
     Study(study::StudyCommand),
     /// Write the gallery of a batch's folder anew, or one that compares it with an earlier run
     Gallery(gallery::GalleryCommand),
-    /// Make animated PNG files of a batch's turntables
+    /// Make animations of a batch's turntables: animated PNG, WebP, MP4
     Animate(animate::AnimateCommand),
     /// Tell how much two pictures differ
     Compare(compare::CompareCommand),

@@ -1,5 +1,5 @@
 use super::record::{self, Record};
-use crate::write::apng::{self, Frame};
+use crate::write::animation::{Ffmpeg, Frame, encode_apng, encode_mp4, encode_webp};
 use crate::write::atomic;
 use rayon::prelude::*;
 use std::io;
@@ -7,6 +7,39 @@ use std::path::{Path, PathBuf};
 
 /// Pixels of a frame that is read, at most.
 const MOST_PIXELS: u64 = 1 << 28;
+
+/// A file format of animations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
+pub enum AnimationFormat {
+    /// Animated PNG.
+    Apng,
+    /// Animated WebP, without loss: about half as large.
+    Webp,
+    /// H.264 by ffmpeg, over a background.
+    Mp4,
+}
+
+impl AnimationFormat {
+    /// The file ending, without the dot.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Apng => "apng",
+            Self::Webp => "webp",
+            Self::Mp4 => "mp4",
+        }
+    }
+}
+
+/// How turntables become animations.
+#[derive(Clone, Debug)]
+pub struct Animation {
+    /// The files made of each.
+    pub formats: Vec<AnimationFormat>,
+    /// Frames a second, ≥ 1.
+    pub frames_per_second: u16,
+    /// sRGB; what is behind transparent pixels in formats that have none.
+    pub background: [u8; 3],
+}
 
 /// A turntable that became an animation, or did not.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,22 +50,28 @@ pub struct Animated {
     pub result: Result<PathBuf, String>,
 }
 
-/// Makes an animated PNG of every turntable of a batch's folder, from its PNG files: `chairs/oak.glb.apng` of
-/// `chairs/oak.glb.000.png` and so on. On the current rayon pool, several at a time; in the manifest's order.
+/// Makes animations of every turntable of a batch's folder, from its PNG files: `chairs/oak.glb.apng` of `chairs/oak.glb.000.png`
+/// and so on. On the current rayon pool, several at a time; in the manifest's order.
 ///
 /// # Errors
-/// When the manifest cannot be read, with its path.
-pub fn animate(folder: &Path, frames_per_second: u16) -> io::Result<Vec<Animated>> {
-    let with_frames = |record: Record| {
+/// When the manifest cannot be read, with its path; when there is no ffmpeg and it is needed.
+pub fn animate(folder: &Path, animation: &Animation) -> io::Result<Vec<Animated>> {
+    let ffmpeg = animation.formats.contains(&AnimationFormat::Mp4).then(Ffmpeg::find);
+    let ffmpeg = ffmpeg.transpose().map_err(|message| io::Error::new(io::ErrorKind::NotFound, message))?;
+    let turntables = record::read(folder)?.into_iter().map(|record| {
         let frames = frames(&record);
         (record, frames)
+    });
+    let turntables: Vec<_> = turntables.filter(|(_, frames)| frames.len() > 1).collect();
+    let animated = |(record, frames): &(Record, Vec<String>)| -> Vec<Animated> {
+        let all = read(folder, frames);
+        let one = |format: &AnimationFormat| {
+            let pictures = all.as_ref().map_err(Clone::clone)?;
+            write(folder, frames, pictures, *format, animation, ffmpeg.as_ref())
+        };
+        animation.formats.iter().map(|format| Animated { input: record.input.clone(), result: one(format) }).collect()
     };
-    let turntables: Vec<_> = record::read(folder)?.into_iter().map(with_frames).collect();
-    let animated = |(record, frames): &(Record, Vec<String>)| Animated {
-        input: record.input.clone(),
-        result: one(folder, frames, frames_per_second),
-    };
-    Ok(turntables.par_iter().filter(|(_, frames)| frames.len() > 1).map(animated).collect())
+    Ok(turntables.par_iter().flat_map_iter(animated).collect())
 }
 
 /// The PNG files of a record that are frames of a turntable: numbered from 000.
@@ -49,16 +88,31 @@ fn stem(path: &str, index: usize) -> Option<&str> {
     path.strip_suffix(&format!(".{index:03}.png"))
 }
 
-fn one(folder: &Path, frames: &[String], frames_per_second: u16) -> Result<PathBuf, String> {
+fn read(folder: &Path, frames: &[String]) -> Result<Vec<Frame>, String> {
     let read = |path: &String| {
         let named = |e: String| format!("{path}: {e}");
         let bytes = std::fs::read(folder.join(path)).map_err(|e| named(format!("cannot be read: {e}")))?;
         Frame::of_png(&bytes, MOST_PIXELS).map_err(named)
     };
-    let pictures = frames.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    let bytes = apng::encode(&pictures, frames_per_second)?;
+    frames.iter().map(read).collect()
+}
+
+fn write(
+    folder: &Path,
+    frames: &[String],
+    pictures: &[Frame],
+    format: AnimationFormat,
+    animation: &Animation,
+    ffmpeg: Option<&Ffmpeg>,
+) -> Result<PathBuf, String> {
+    let rate = animation.frames_per_second;
+    let bytes = match format {
+        AnimationFormat::Apng => encode_apng(pictures, rate)?,
+        AnimationFormat::Webp => encode_webp(pictures, rate)?,
+        AnimationFormat::Mp4 => encode_mp4(ffmpeg.ok_or("there is no ffmpeg")?, pictures, rate, animation.background)?,
+    };
     let stem = frames.first().and_then(|path| stem(path, 0)).ok_or("there are no frames")?;
-    let path = PathBuf::from(format!("{stem}.apng"));
+    let path = PathBuf::from(format!("{stem}.{}", format.ending()));
     atomic::write(&folder.join(&path), &bytes).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
     Ok(path)
 }

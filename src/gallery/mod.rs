@@ -11,7 +11,7 @@ mod record;
 mod views;
 
 use crate::write::atomic;
-pub use animate::{Animated, animate};
+pub use animate::{Animated, Animation, AnimationFormat, animate};
 use before::Earlier;
 use entry::{Entry, Words};
 use page::{Head, Page};

@@ -1,6 +1,6 @@
 //! From pictures to files: exposure, tone mapping, PNG and EXR, and files that are whole or absent.
 
-pub mod apng;
+pub mod animation;
 pub mod atomic;
 mod cryptomatte;
 pub mod display;
