@@ -2,7 +2,10 @@
 
 use crate::scene::{Image, Pixels};
 use crate::{ErrorCode, ImportError};
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use image::error::LimitErrorKind;
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
+use std::alloc::{Layout, handle_alloc_error};
+use std::any::Any;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -30,20 +33,34 @@ fn open<'a>(
     Ok((format, decoder))
 }
 
-fn broken(cause: &image::ImageError, format: ImageFormat, name: &str) -> ImportError {
+fn broken(cause: &ImageError, format: ImageFormat, name: &str) -> ImportError {
     let (code, what) = match cause {
-        image::ImageError::Unsupported(_) => (ErrorCode::Unsupported, "uses what Kiln does not read"),
-        image::ImageError::Limits(_) => (ErrorCode::TooLarge, "exceeds the limits"),
+        ImageError::Unsupported(_) => (ErrorCode::Unsupported, "uses what Kiln does not read"),
+        ImageError::Limits(_) => (ErrorCode::TooLarge, "exceeds the limits"),
         _ => (ErrorCode::Invalid, "is not sound"),
     };
     ImportError::new(code, format!("{format:?} image {what}: {cause}")).in_file(name)
 }
 
-/// Runs a third-party decoder; a panic in it is the image's fault.
+/// Runs a third-party decoder; a panic in it is the image's fault, unless it is about memory.
 fn guarded<T>(name: &str, run: impl FnOnce() -> Result<T, ImportError>) -> Result<T, ImportError> {
-    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| {
+    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
+        if is_refused_allocation(&*panic) {
+            out_of_memory(0);
+        }
         Err(ImportError::new(ErrorCode::Invalid, "is not a sound image: its decoder panicked").in_file(name))
     })
+}
+
+/// Whether a decoder panicked because it was given no memory, which it says in the words of [`std::collections::TryReserveError`].
+fn is_refused_allocation(panic: &(dyn Any + Send)) -> bool {
+    panic.downcast_ref::<String>().is_some_and(|text| text.contains("TryReserveError") && text.contains("AllocError"))
+}
+
+/// What every refused allocation comes to: an asset is not to be shown without a texture because there was no memory for it.
+fn out_of_memory(bytes: u64) -> ! {
+    let layout = usize::try_from(bytes).ok().and_then(|bytes| Layout::array::<u8>(bytes).ok());
+    handle_alloc_error(layout.unwrap_or(Layout::new::<u8>()))
 }
 
 /// Width and height by the header alone, so that images can be held against a limit before any is decoded.
@@ -78,7 +95,15 @@ fn decode_unguarded(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, 
     if texels == 0 {
         return Err(error(ErrorCode::Invalid, "has no pixels".into()));
     }
-    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| broken(&e, format, name))?;
+    let needed = decoder.total_bytes().saturating_add(4 * texels);
+    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| {
+        // A decoder speaks of memory also where a corrupt file asks for too much of it.
+        let about_memory = matches!(&e, ImageError::Limits(e) if e.kind() == LimitErrorKind::InsufficientMemory);
+        if about_memory && !can_be_had(needed) {
+            out_of_memory(needed);
+        }
+        broken(&e, format, name)
+    })?;
     let pixels = match decoded {
         d @ (DynamicImage::ImageLuma16(_)
         | DynamicImage::ImageLumaA16(_)
@@ -92,6 +117,11 @@ fn decode_unguarded(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, 
         d => Pixels::Rgba8(d.into_rgba8().into_raw()),
     };
     Ok(Image { name: name.into(), width, height, pixels })
+}
+
+/// Whether so much memory can be had now.
+fn can_be_had(bytes: u64) -> bool {
+    usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok())
 }
 
 #[cfg(test)]
@@ -198,5 +228,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_refused_allocation_is_known_from_other_panics() {
+        let panic =
+            |text: String| catch_unwind(move || std::panic::resume_unwind(Box::new(text))).expect_err("a panic");
+        // As `image` unwraps it.
+        let refused = Vec::<u8>::new().try_reserve_exact(isize::MAX as usize).expect_err("nobody has that");
+        assert!(is_refused_allocation(&*panic(format!("input layout: {refused:?}"))), "{refused:?}");
+        let overflow = Vec::<u32>::new().try_reserve_exact(usize::MAX).expect_err("more than can be said");
+        assert!(!is_refused_allocation(&*panic(format!("{overflow:?}"))), "a file's fault: {overflow:?}");
+        assert!(!is_refused_allocation(&*panic("index out of bounds".into())));
+        assert!(can_be_had(1 << 16) && !can_be_had(isize::MAX as u64) && !can_be_had(u64::MAX));
     }
 }

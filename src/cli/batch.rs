@@ -1,7 +1,7 @@
 mod pass;
 mod watch;
 
-use super::console::{Console, print_line};
+use super::console::{Console, harmless, print_line};
 use super::exit::{Exit, Fatal};
 use super::folders::{Folders, job};
 use super::interrupt::Interrupt;
@@ -173,10 +173,10 @@ impl BatchCommand {
             match ledger.verdict(&self.job(found, settings), policy, &Control::default()) {
                 Verdict::Due(reason) => {
                     due += 1;
-                    print_line(&format!("render      {} ({})", found.name(), reason.words()));
+                    print_line(&format!("render      {} ({})", harmless(&found.name()), reason.words()));
                 }
                 Verdict::Current(outcome) => {
-                    print_line(&format!("up to date  {} ({})", found.name(), outcome.status.word()))
+                    print_line(&format!("up to date  {} ({})", harmless(&found.name()), outcome.status.word()))
                 }
             }
         }

@@ -27,6 +27,11 @@ impl Console {
     }
 }
 
+/// A text with nothing in it that a terminal obeys, line ends too: names of files may hold anything.
+pub fn harmless(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
+}
+
 /// ANSI colours.
 #[derive(Clone, Copy, Debug)]
 pub enum Color {

@@ -1,3 +1,4 @@
+use super::console::harmless;
 use super::exit::Fatal;
 use clap::Args;
 use globset::{Glob, GlobSet, GlobSetBuilder};
@@ -28,7 +29,7 @@ impl Folders {
     pub fn search(&self, out: &Path) -> Result<Discovered, Fatal> {
         let discovered = discover(&self.discovery(out)?);
         for Unreadable { path, message } in &discovered.unreadable {
-            eprintln!("warning: {} cannot be searched: {message}", path.display());
+            eprintln!("warning: {} cannot be searched: {message}", harmless(&path.display().to_string()));
         }
         if discovered.found.is_empty() {
             let folders: Vec<String> = self.folders.iter().map(|f| f.display().to_string()).collect();

@@ -1,6 +1,6 @@
 mod bars;
 
-use super::console::{Color, Console, print_line};
+use super::console::{Color, Console, harmless, print_line};
 use bars::Bars;
 use kiln::Control;
 use kiln::batch::{Job, Observer, Outcome, Stage, Status};
@@ -34,9 +34,6 @@ impl Progress {
     }
 
     fn tell(&self, line: &str) {
-        // Names of files may hold anything, commands to the terminal too; our own commands are colours.
-        let is_harmful = |c: char| c.is_control() && c != '\n' && !(self.console.color && c == '\x1b');
-        let line = &line.replace(is_harmful, "\u{fffd}");
         match &self.bars {
             Some(bars) => bars.print(line),
             None => eprintln!("{line}"),
@@ -52,9 +49,9 @@ pub fn line(console: &Console, outcome: &Outcome) -> String {
         Status::Failed => Color::Red,
     };
     let word = console.paint(&format!("{:7}", outcome.status.word()), color);
-    let mut line = format!("{word} {:8.2} s  {}{}", outcome.seconds.total, outcome.input, accuracy(outcome));
+    let mut line = format!("{word} {:8.2} s  {}{}", outcome.seconds.total, harmless(&outcome.input), accuracy(outcome));
     if let Some(message) = &outcome.error_message {
-        line += &format!(": {message}");
+        line += &format!(": {}", harmless(message));
     } else if let Some(first) = outcome.warnings.first().filter(|_| !console.verbose) {
         line += &format!(": {}", warning(first));
         if outcome.warnings.len() > 1 {
@@ -81,21 +78,23 @@ fn accuracy(outcome: &Outcome) -> String {
 fn pictures(outcome: &Outcome) -> String {
     match &outcome.outputs[..] {
         [] => String::new(),
-        [one] => format!("\n  {}", one.path),
-        [first, .., last] => format!("\n  {} … {} ({} files)", first.path, last.path, outcome.outputs.len()),
+        [one] => format!("\n  {}", harmless(&one.path)),
+        [first, .., last] => {
+            format!("\n  {} … {} ({} files)", harmless(&first.path), harmless(&last.path), outcome.outputs.len())
+        }
     }
 }
 
 /// A warning on one line.
 pub fn warning(warning: &kiln::formats::Warning) -> String {
     let place = if warning.place.is_empty() { String::new() } else { format!(" at {}", warning.place) };
-    format!("{}{place}: {}", warning.code, warning.message)
+    harmless(&format!("{}{place}: {}", warning.code, warning.message))
 }
 
 impl Observer for Progress {
     fn started(&self, worker: usize, job: &Job, control: &Control) {
         if let Some(bars) = &self.bars {
-            bars.started(worker, &job.name, control);
+            bars.started(worker, &harmless(&job.name), control);
         }
     }
 
@@ -116,7 +115,12 @@ impl Observer for Progress {
             print_line(&line);
         }
         if self.console.verbose {
-            self.tell(&format!("[{done:width$}/{}] up to date {}", self.total, outcome.input, width = self.digits()));
+            self.tell(&format!(
+                "[{done:width$}/{}] up to date {}",
+                self.total,
+                harmless(&outcome.input),
+                width = self.digits()
+            ));
         }
     }
 

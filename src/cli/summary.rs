@@ -1,4 +1,4 @@
-use super::console::{Color, Console};
+use super::console::{Color, Console, harmless};
 use kiln::batch::{Status, Tally, advice};
 
 /// What became of a batch, for people.
@@ -22,11 +22,12 @@ pub fn text(console: &Console, tally: &Tally, seconds: f64, manifest: &str) -> S
     )];
     if tally.slowest.len() > 2 && tally.all() > 3 {
         let slowest: Vec<String> =
-            tally.slowest.iter().map(|(name, seconds)| format!("{name} {seconds:.2} s")).collect();
+            tally.slowest.iter().map(|(name, seconds)| format!("{} {seconds:.2} s", harmless(name))).collect();
         lines.push(format!("slowest: {}", slowest.join(", ")));
     }
     for (name, message) in &tally.failures {
-        lines.push(format!("{} {name}: {message}", console.paint("failed:", Color::Red)));
+        let failed = console.paint("failed:", Color::Red);
+        lines.push(format!("{failed} {}: {}", harmless(name), harmless(message)));
     }
     let failed = tally.count(Status::Failed);
     if failed > tally.failures.len() {
@@ -40,7 +41,7 @@ pub fn text(console: &Console, tally: &Tally, seconds: f64, manifest: &str) -> S
             "{}: {} ({}{more})",
             console.paint(code, Color::Yellow),
             plural(warned.assets, "asset"),
-            warned.examples.join(", ")
+            harmless(&warned.examples.join(", "))
         );
         lines.push(advice::of(code).map_or(head.clone(), |a| format!("{head}\n  {}: {}", a.meaning, a.remedy)));
     }

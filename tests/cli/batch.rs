@@ -100,10 +100,9 @@ fn a_folder_that_cannot_be_searched_makes_it_a_part() {
 #[test]
 fn wrong_usage_is_code_2_and_explained() {
     let dir = folder(&[("in/a.obj", OBJ), ("view.json", "{}")]);
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 6] = [
         (&["in"], "--out"),
         (&["in", "--out", "out", "--turntable", "0"], "turntable"),
-        (&["in/a.obj", "--out", "out"], "kiln render"),
         (&["in", "--out", "out", "--view", "view.json"], "camera_to_world"),
         (&["in", "--out", "out", "--background", "blue"], "#rrggbb"),
         (&["in", "--out", "out", "--turntable", "4", "--camera", "auto"], "cannot be used"),
@@ -152,6 +151,18 @@ fn several_folders_keep_their_outputs_apart() {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let want = ["chairs/oak.obj.png", "chairs-2/oak.obj.png", "index.html", "manifest.jsonl"];
     assert_eq!(files(&dir.path().join("out")), want);
+}
+
+#[test]
+fn files_may_stand_among_folders() {
+    let dir = folder(&[("x/oak.obj", OBJ), ("y/oak.obj", OBJ), ("chairs/ash.obj", OBJ), ("notes.txt", "none")]);
+    let output =
+        batch(dir.path(), &["x/oak.obj", "y/oak.obj", "chairs", "notes.txt", "--out", "out", "--format", "png"]);
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+    let lines = manifest(&dir.path().join("out"));
+    let want = [("oak.obj", "ok"), ("oak-2.obj", "ok"), ("chairs/ash.obj", "ok"), ("notes.txt", "failed")];
+    assert_eq!(statuses(&lines), want);
+    assert_eq!(lines[3]["error_code"], "unknown-format");
 }
 
 #[test]

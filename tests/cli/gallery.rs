@@ -73,6 +73,14 @@ fn turntables_become_animations() {
         reader.next_frame(&mut pixels).expect("whole");
         assert!(last == pixels, "{name}");
     }
+    let output = kiln(dir.path(), &["animate", "out", "--format", "webp,apng", "--quiet"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let webp = fs::read(dir.path().join("out/chairs/é.obj.webp")).expect("a film");
+    let decoder = image_webp::WebPDecoder::new(std::io::Cursor::new(webp)).expect("a WebP file");
+    assert_eq!((decoder.num_frames(), decoder.dimensions(), decoder.has_alpha()), (3, (8, 8), true));
+    let mut alone = command(dir.path(), &["animate", "out", "--format", "mp4"]);
+    let output = alone.env("PATH", "").output().expect("the program runs");
+    assert!(code(&output) == 1 && stderr(&output).contains("ffmpeg"), "{}", stderr(&output));
     // A frame that has gone is told, and costs that turntable alone.
     fs::remove_file(dir.path().join("out/a.obj.001.png")).expect("remove");
     let output = kiln(dir.path(), &["animate", "out"]);

@@ -148,37 +148,3 @@ fn a_full_disk_ends_the_batch_clearly_and_it_goes_on_later() {
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(told.lines().collect::<Vec<_>>(), ["first 3", "second 0", "30", "30"], "{said}");
 }
-
-#[test]
-fn a_hostile_folder_among_good_assets() {
-    let Some(shared) = std::env::var_os("KILN_SHARED").map(std::path::PathBuf::from) else {
-        eprintln!("skipped: KILN_SHARED is not set");
-        return;
-    };
-    let mut all: Vec<(String, &str)> = (0..100).map(|i| (format!("in/good/{i:03}.obj"), OBJ)).collect();
-    let nested = format!("{}{}", "{\"a\":".repeat(100_000), "}".repeat(100_000));
-    all.push(("in/deep.gltf".into(), &nested));
-    let dir = folder(&all.iter().map(|(name, text)| (name.as_str(), *text)).collect::<Vec<_>>());
-    #[cfg(unix)]
-    for (to, from) in [("..", "good/up"), ("loop.glb", "loop.glb"), ("/dev/zero", "zero.glb")] {
-        std::os::unix::fs::symlink(to, dir.path().join("in").join(from)).expect("link");
-    }
-    let malformed = fs::canonicalize(shared.join("assets/malformed")).expect("shared assets");
-    let faults = "good/000.obj=,003.obj=abort,050.obj=overflow";
-    let arguments = ["batch", "in", malformed.to_str().expect("text"), "--out", "out", "--quiet", "--memory", "1G"];
-    let output = command(dir.path(), &[&arguments[..], &SMALL].concat()).env("KILN_FAULT", faults).output();
-    let output = output.expect("the program runs");
-    assert_eq!(code(&output), 3, "{}", stderr(&output));
-    let lines = manifest(&dir.path().join("out"));
-    let of = |l: &Value, key: &str| l[key].as_str().unwrap_or_default().to_owned();
-    let good = lines.iter().filter(|l| of(l, "input").starts_with("in/good/")).filter(|l| of(l, "status") == "ok");
-    assert_eq!(good.count(), 98, "all but the two that were made to crash");
-    for line in lines.iter().filter(|l| of(l, "status") == "failed") {
-        assert!(!of(line, "error_code").is_empty() && !of(line, "error_message").is_empty(), "{line}");
-        let made_to = ["in/good/003.obj", "in/good/050.obj"].contains(&of(line, "input").as_str());
-        let ours = ["internal", "crashed", "stack-overflow", "no-worker"].contains(&of(line, "error_code").as_str());
-        assert_eq!(ours, made_to, "{line}");
-        assert!(line["peak_bytes"].as_u64().is_none_or(|peak| peak < 1 << 30), "{line}");
-    }
-    assert!(lines.len() > 300, "{} lines", lines.len());
-}

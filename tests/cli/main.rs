@@ -7,6 +7,8 @@ mod compare;
 mod config;
 mod determinism;
 mod gallery;
+#[cfg(unix)]
+mod hostile;
 mod inspect;
 mod interrupt;
 mod isolation;
