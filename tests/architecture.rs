@@ -17,17 +17,18 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("lighting", &["geometry", "lanes", "math", "sampling", "settings"]),
     ("effects", &["geometry", "settings"]),
     ("prepare", &["effects", "geometry", "lanes", "lighting", "math", "settings"]),
+    ("denoise", &["film"]),
     ("integrate", &["film", "geometry", "lanes", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
     ("write", &["film", "settings"]),
     ("metrics", &["film", "settings", "write"]),
     ("gallery", &["metrics", "write"]),
     ("accuracy", &["film", "integrate", "math", "prepare", "sampling", "settings", "write"]),
-    ("batch", &["accuracy", "film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
+    ("batch", &["accuracy", "denoise", "film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
     ("plan", &["batch", "settings"]),
     ("lab", &["accuracy", "batch", "film", "integrate", "math", "metrics", "prepare", "sampling", "settings", "write"]),
     ("checks", &["film", "integrate", "math", "prepare", "settings"]),
     ("measure", &["geometry", "math", "prepare"]),
-    ("cli", &["batch", "checks", "gallery", "lab", "measure", "metrics", "plan", "settings", "write"]),
+    ("cli", &["batch", "checks", "denoise", "gallery", "lab", "measure", "metrics", "plan", "settings", "write"]),
 ];
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -57,6 +57,10 @@ pub fn of_settings(settings: &Settings, environment_digest: Option<&str>) -> ser
     settings.prepare.simd = Default::default();
     settings.prepare.effects.forced = EffectSet::default();
     settings.goal.time = None;
+    if let Some(program) = &mut settings.pictures.denoise {
+        // Where it is.
+        program.0 = PathBuf::new();
+    }
     if let (EnvironmentSettings::File(file), Some(digest)) = (&mut settings.environment, environment_digest) {
         file.path = PathBuf::from(digest);
     }
@@ -77,6 +81,13 @@ mod tests {
         other.prepare.simd = SimdTier::Scalar;
         other.goal.time = Some(3.0);
         other.prepare.effects.forced = EffectSet::all();
+        assert_eq!(hash(&plain), hash(&other));
+        other.pictures.denoise = Some(crate::settings::PathText("/opt/oidnDenoise".into()));
+        assert_ne!(hash(&plain), hash(&other));
+        let elsewhere = hash(&other);
+        other.pictures.denoise = Some(crate::settings::PathText("oidnDenoise".into()));
+        assert_eq!(hash(&other), elsewhere);
+        other.pictures.denoise = None;
         assert_eq!(hash(&plain), hash(&other));
         other.render.seed = 1;
         assert_ne!(hash(&plain), hash(&other));

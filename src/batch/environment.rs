@@ -148,6 +148,7 @@ mod tests {
             spp: 1,
             view: 0,
             stated: None,
+            denoised: None,
         };
         let picture =
             Picture { width: 2, height: 1, pixels: vec![[1.0, 2.0, 30.0, 1.0], [f32::INFINITY, 0.0, 0.5, 1.0]] };

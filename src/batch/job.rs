@@ -38,6 +38,12 @@ pub struct Output {
 }
 
 impl Output {
+    /// The path of a picture without noise beside that of a picture: `oak.glb.denoised.png` beside `oak.glb.png`.
+    pub fn denoised(picture: &Path) -> PathBuf {
+        let ending = picture.extension().unwrap_or_default().to_string_lossy();
+        picture.with_extension(format!("denoised.{ending}"))
+    }
+
     /// The path below the folder of one picture. Turntables count their frames with at least three digits from 000.
     pub fn picture(&self, frame: Option<u32>, format: PictureFormat) -> PathBuf {
         let mut name: OsString = self.stem.file_name().unwrap_or_default().to_os_string();
@@ -121,6 +127,7 @@ mod tests {
         assert_eq!(output.picture(None, PictureFormat::Png), Path::new("chairs/oak.glb.png"));
         assert_eq!(output.picture(Some(7), PictureFormat::Exr), Path::new("chairs/oak.glb.007.exr"));
         assert_eq!(output.picture(Some(1234), PictureFormat::Exr), Path::new("chairs/oak.glb.1234.exr"));
+        assert_eq!(Output::denoised(Path::new("a/oak.glb.007.png")), Path::new("a/oak.glb.007.denoised.png"));
         let output = Output { ending: Some("PNG".into()), stem: "oak".into(), ..output };
         assert_eq!(output.picture(None, PictureFormat::Png), Path::new("oak.PNG"));
     }

@@ -196,8 +196,16 @@ fn due(old: &Outcome, job: &Job, policy: &Policy, control: &Control) -> Option<R
 
 /// Whether a failure is the asset's own: it would fail again.
 fn lasts(code: Option<&str>) -> bool {
-    let passing =
-        ["io", "unwritable", "disk-full", "stopped", "no-worker", "environment", "deadline-before-first-pass"];
+    let passing = [
+        "io",
+        "unwritable",
+        "disk-full",
+        "stopped",
+        "no-worker",
+        "environment",
+        "denoiser",
+        "deadline-before-first-pass",
+    ];
     code.is_some_and(|code| !passing.contains(&code))
 }
 

@@ -1,8 +1,10 @@
-use super::{Job, Outcome, OutputRecord, job};
+use super::failure::Failure;
+use super::{Job, Outcome, Output, OutputRecord, job};
 use crate::accuracy::Accuracy;
-use crate::film::{Film, Surfaces};
+use crate::denoise::{Denoised, Denoiser};
+use crate::film::{Film, Picture, Surfaces};
 use crate::integrate::PassTally;
-use crate::settings::PictureFormat;
+use crate::settings::{PathText, PictureFormat};
 use crate::write::{Metadata, StatedError, display, exr, png};
 use std::path::PathBuf;
 
@@ -27,32 +29,64 @@ pub(super) struct Encoded {
 }
 
 impl Shot<'_> {
-    /// The view in every format that is asked for.
+    /// The view in every format that is asked for, and without noise if that is: should that fail, the others are there.
     ///
     /// # Errors
-    /// A sentence.
-    pub fn encode(&self, job: &Job, outcome: &Outcome) -> Result<Vec<Encoded>, String> {
-        job.settings.pictures.formats.iter().map(|format| self.encode_as(*format, job, outcome)).collect()
+    /// Why there are no pictures.
+    pub fn encode(&self, job: &Job, outcome: &Outcome) -> Result<(Vec<Encoded>, Result<(), Failure>), Failure> {
+        let settings = &job.settings.pictures;
+        let picture = self.film.picture();
+        let denoise = |program: &PathText| {
+            let threads = rayon::current_num_threads();
+            let denoised = Denoiser::new(&program.0).denoise(&picture, self.surfaces, threads);
+            denoised.map_err(|e| Failure::new("denoiser", e))
+        };
+        let (denoised, failure) = match settings.denoise.as_ref().map(denoise).transpose() {
+            Ok(denoised) => (denoised, Ok(())),
+            Err(failure) => (None, Err(failure)),
+        };
+        let mut files = Vec::new();
+        for format in &settings.formats {
+            let path = job.output.picture(job.settings.views.turntable.map(|_| self.view), *format);
+            let metadata = self.metadata(job, outcome);
+            match format {
+                PictureFormat::Png => {
+                    files.push(self.png(job, path.clone(), &picture, &metadata)?);
+                    if let Some(Denoised { picture, by }) = &denoised {
+                        let metadata = Metadata { stated: None, denoised: Some(by.clone()), ..metadata };
+                        files.push(self.png(job, Output::denoised(&path), picture, &metadata)?);
+                    }
+                }
+                PictureFormat::Exr => {
+                    let metadata = Metadata { denoised: denoised.as_ref().map(|d| d.by.clone()), ..metadata };
+                    let (noise, without) = (self.film.noise(), denoised.as_ref().map(|d| &d.picture));
+                    let layers = &settings.layers;
+                    let bytes = exr::encode_with_layers(&picture, &noise, without, self.surfaces, layers, &metadata);
+                    let bytes = bytes.map_err(|e| Failure::new("unwritable", e.to_string()))?;
+                    files.push(self.encoded(job, *format, path, bytes, &metadata));
+                }
+            }
+        }
+        Ok((files, failure))
     }
 
-    fn encode_as(&self, format: PictureFormat, job: &Job, outcome: &Outcome) -> Result<Encoded, String> {
-        let settings = &job.settings;
-        let metadata = self.metadata(job, outcome);
-        let picture = self.film.picture();
-        let bytes = match format {
-            PictureFormat::Png => {
-                let p = &settings.pictures;
-                let displayed = display::develop(&picture, self.exposure, p.tonemap, p.background);
-                png::encode(&displayed, p.bits, &metadata).map_err(|e| e.to_string())?
-            }
-            PictureFormat::Exr => {
-                let (noise, layers) = (self.film.noise(), &settings.pictures.layers);
-                exr::encode_with_layers(&picture, &noise, self.surfaces, layers, &metadata)
-                    .map_err(|e| e.to_string())?
-            }
-        };
-        let path = job.output.picture(settings.views.turntable.map(|_| self.view), format);
-        Ok(Encoded { record: self.record(job, format, job::slashed(&path), bytes.len() as u64), path, bytes })
+    fn png(&self, job: &Job, path: PathBuf, picture: &Picture, metadata: &Metadata) -> Result<Encoded, Failure> {
+        let p = &job.settings.pictures;
+        let displayed = display::develop(picture, self.exposure, p.tonemap, p.background);
+        let bytes = png::encode(&displayed, p.bits, metadata).map_err(|e| Failure::new("unwritable", e.to_string()))?;
+        Ok(self.encoded(job, PictureFormat::Png, path, bytes, metadata))
+    }
+
+    fn encoded(&self, job: &Job, format: PictureFormat, path: PathBuf, bytes: Vec<u8>, metadata: &Metadata) -> Encoded {
+        let mut record = self.record(job, format, job::slashed(&path), bytes.len() as u64);
+        record.denoised.clone_from(&metadata.denoised);
+        if let (PictureFormat::Png, Some(by)) = (format, &metadata.denoised) {
+            // The error is that of the picture as it was rendered.
+            (record.error, record.error_bound, record.relmse, record.relmse_bound) = (None, None, None, None);
+            record.target_met = None;
+            record.bias.push(format!("denoised by {by}: its error is not known"));
+        }
+        Encoded { path, bytes, record }
     }
 
     fn metadata(&self, job: &Job, outcome: &Outcome) -> Metadata {
@@ -70,6 +104,7 @@ impl Shot<'_> {
                 relmse: a.relmse,
                 relmse_bound: a.relmse_bound,
             }),
+            denoised: None,
         }
     }
 
@@ -92,6 +127,7 @@ impl Shot<'_> {
             relmse_bound: self.accuracy.map(|a| a.relmse_bound),
             target_met: job.settings.goal.error.map(|target| bound.is_some_and(|b| b <= target)),
             bias: self.bias(job),
+            denoised: None,
         }
     }
 

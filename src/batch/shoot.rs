@@ -39,7 +39,9 @@ impl Work<'_> {
     /// Looks at what lies at a view's pixels, if that is asked for.
     fn surfaces(&mut self, prepared: &PreparedScene, view: &View) -> Result<Surfaces, Stopped> {
         let Settings { render, pictures, .. } = &self.job.settings;
-        if pictures.layers.is_empty() || !pictures.formats.contains(&PictureFormat::Exr) {
+        let layers = !pictures.layers.is_empty() && pictures.formats.contains(&PictureFormat::Exr);
+        // They guide the denoiser.
+        if !layers && pictures.denoise.is_none() {
             return Ok(Surfaces::default());
         }
         let (surfaces, tally) = surfaces(prepared, view, render, render.spp.min(MOST_SURFACE_SAMPLES), self.control)?;
@@ -72,7 +74,7 @@ impl Work<'_> {
                 view: 0,
                 exposure,
             };
-            shot.encode(self.job, self.outcome).map_err(|e| Failure::new("unwritable", e))?;
+            shot.encode(self.job, self.outcome)?;
             self.budget.learn(&trial);
         }
         let ended = match ended {
@@ -97,7 +99,8 @@ impl Work<'_> {
         let clock = StageClock::begin();
         let Finished { film, tally, accuracy } = finished;
         let shot = Shot { film, accuracy: *accuracy, tally, surfaces, view: index, exposure };
-        for file in shot.encode(self.job, self.outcome).map_err(|e| Failure::new("unwritable", e))? {
+        let (files, denoised) = shot.encode(self.job, self.outcome)?;
+        for file in files {
             let put = self.desk.sink.put(&file.path, file.bytes);
             put.map_err(|e| Failure::unwritable(&file.record.path, &e))?;
             self.outcome.outputs.push(file.record);
@@ -111,6 +114,6 @@ impl Work<'_> {
         let (wall, cpu) = clock.seconds();
         self.outcome.seconds.write += wall;
         self.outcome.cpu_seconds.write += cpu;
-        Ok(())
+        denoised
     }
 }

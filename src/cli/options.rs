@@ -2,10 +2,12 @@ use super::exit::Fatal;
 use super::looks::LookOptions;
 use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
+use kiln::denoise::Denoiser;
 use kiln::settings::{
     Adaptive, Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Instances,
-    Integrator, KdTreeBuilder, Layer, LookSettings, MOST_SPP, PictureFormat, PictureSettings, PrepareSettings, Preset,
-    RenderSettings, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
+    Integrator, KdTreeBuilder, Layer, LookSettings, MOST_SPP, PathText, PictureFormat, PictureSettings,
+    PrepareSettings, Preset, RenderSettings, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice,
+    ViewSettings,
 };
 use std::path::PathBuf;
 
@@ -33,6 +35,16 @@ pub struct SettingOptions {
     /// Further layers of EXR files: what the first surfaces are; objects and materials as Cryptomatte
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LAYER", help_heading = "Pictures")]
     layers: Vec<Layer>,
+    /// A picture without noise beside each, by Open Image Denoise (docs/denoising.md): oidnDenoise, or that program's place
+    #[arg(
+        long,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = kiln::denoise::PROGRAM,
+        value_name = "PROGRAM",
+        help_heading = "Pictures"
+    )]
+    pub denoise: Option<PathBuf>,
 
     /// The asset's camera with this name or index, or auto [default: the asset's first, auto without one]
     #[arg(long, value_name = "NAME|auto", help_heading = "View and light", conflicts_with_all = ["view", "turntable"])]
@@ -167,8 +179,11 @@ impl SettingOptions {
     /// The settings asked for.
     ///
     /// # Errors
-    /// When the view file cannot be read.
+    /// When the view file cannot be read, or the denoiser is not there.
     pub fn settings(&self, mut formats: Vec<PictureFormat>) -> Result<Settings, Fatal> {
+        if let Some(program) = &self.denoise {
+            Denoiser::new(program).check().map_err(Fatal::failed)?;
+        }
         let file = self.view.as_deref().map(ViewFile::read).transpose().map_err(Fatal::usage)?;
         let of_file = |get: fn(&ViewFile) -> Option<u32>| file.as_ref().and_then(get);
         let views = ViewSettings::default();
@@ -223,6 +238,7 @@ impl SettingOptions {
                 bits: self.bits,
                 formats,
                 layers: sorted(self.layers.clone()),
+                denoise: self.denoise.clone().map(PathText),
             },
         })
     }

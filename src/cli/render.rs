@@ -48,8 +48,10 @@ impl RenderCommand {
     /// When nothing can be begun.
     pub fn run(self) -> Result<Exit, Fatal> {
         let to_stdout = self.output.as_deref() == Some(Path::new("-"));
-        if to_stdout && (self.options.json || self.options.is_turntable()) {
-            return Err(Fatal::usage("-o - writes one picture to stdout: neither --json nor --turntable goes with it"));
+        if to_stdout && (self.options.json || self.options.is_turntable() || self.options.denoise.is_some()) {
+            let message =
+                "-o - writes one picture to stdout: neither --json nor --turntable nor --denoise goes with it";
+            return Err(Fatal::usage(message));
         }
         let (output, formats) = self.output()?;
         let settings = self.options.settings(formats)?;

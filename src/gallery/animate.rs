@@ -76,7 +76,7 @@ pub fn animate(folder: &Path, animation: &Animation) -> io::Result<Vec<Animated>
 
 /// The PNG files of a record that are frames of a turntable: numbered from 000.
 fn frames(record: &Record) -> Vec<String> {
-    let mut outputs: Vec<_> = record.outputs.iter().filter(|o| o.format == "png").collect();
+    let mut outputs: Vec<_> = record.outputs.iter().filter(|o| o.is_rendered("png")).collect();
     outputs.sort_by_key(|o| o.view);
     let is_frame = |(index, path): (usize, &str)| stem(path, index).is_some();
     let paths = || outputs.iter().map(|o| o.path.as_str());

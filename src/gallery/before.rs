@@ -131,7 +131,7 @@ impl Earlier {
 
 /// The PNG files of a record, view by view.
 fn pictures(record: &Record) -> Vec<&str> {
-    let mut outputs: Vec<_> = record.outputs.iter().filter(|o| o.format == "png").collect();
+    let mut outputs: Vec<_> = record.outputs.iter().filter(|o| o.is_rendered("png")).collect();
     outputs.sort_by_key(|o| o.view);
     outputs.iter().map(|o| o.path.as_str()).collect()
 }

@@ -43,6 +43,19 @@ pub(super) struct Output {
     pub relmse: Option<f64>,
     pub target_met: Option<bool>,
     pub bias: Vec<String>,
+    pub denoised: Option<String>,
+}
+
+impl Output {
+    /// Whether it is a picture as it was rendered, in this format.
+    pub fn is_rendered(&self, format: &str) -> bool {
+        self.format == format && !self.is_denoised_png()
+    }
+
+    /// Whether it is a picture without noise that stands beside one.
+    pub fn is_denoised_png(&self) -> bool {
+        self.format == "png" && self.denoised.is_some()
+    }
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]

@@ -12,6 +12,9 @@ pub(super) struct Views {
     /// EXR files.
     #[serde(skip_serializing_if = "Paths::is_empty")]
     pub exr: Paths,
+    /// PNG files without noise.
+    #[serde(skip_serializing_if = "Paths::is_empty")]
+    pub denoised: Paths,
     /// Samples per pixel of each view.
     pub spp: Same<u32>,
     /// Exposure, EV.
@@ -35,12 +38,13 @@ impl Views {
     /// `None`: there is no picture.
     pub fn of(record: &Record) -> Option<Self> {
         let first = record.outputs.first()?;
-        let of_format = |format: &str| -> Vec<&Output> {
-            let mut outputs: Vec<&Output> = record.outputs.iter().filter(|o| o.format == format).collect();
+        let all = |wanted: &dyn Fn(&Output) -> bool| -> Vec<&Output> {
+            let mut outputs: Vec<&Output> = record.outputs.iter().filter(|o| wanted(o)).collect();
             outputs.sort_by_key(|o| o.view);
             outputs
         };
-        let (png, exr) = (of_format("png"), of_format("exr"));
+        let (png, exr) = (all(&|o| o.is_rendered("png")), all(&|o| o.is_rendered("exr")));
+        let denoised = all(&Output::is_denoised_png);
         let views = if png.is_empty() { &exr } else { &png };
         let each = |of: fn(&Output) -> Option<f64>| -> Vec<Option<f64>> {
             let values: Vec<_> = views.iter().map(|o| of(o).map(rounded)).collect();
@@ -59,6 +63,7 @@ impl Views {
             bias: first.bias.clone(),
             png: Paths::of(&png),
             exr: Paths::of(&exr),
+            denoised: Paths::of(&denoised),
         })
     }
 }

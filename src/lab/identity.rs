@@ -39,5 +39,6 @@ pub(super) fn metadata(name: &str, settings: &RenderSettings, spp: u32) -> Metad
         spp,
         view: 0,
         stated: None,
+        denoised: None,
     }
 }

@@ -1,3 +1,4 @@
+use super::PathText;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
@@ -153,6 +154,9 @@ pub struct PictureSettings {
     /// Further layers (EXR).
     #[serde(default)]
     pub layers: Vec<Layer>,
+    /// The program of Open Image Denoise that makes a picture without noise of each, to stand beside it; `None`: there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub denoise: Option<PathText>,
 }
 
 impl Default for PictureSettings {
@@ -164,6 +168,7 @@ impl Default for PictureSettings {
             bits: BitDepth::default(),
             formats: vec![PictureFormat::Png, PictureFormat::Exr],
             layers: Vec::new(),
+            denoise: None,
         }
     }
 }

@@ -24,17 +24,19 @@ pub fn encode(picture: &Picture, metadata: &Metadata) -> std::result::Result<Vec
 /// # Errors
 /// As [`encode`].
 pub fn encode_with_noise(picture: &Picture, noise: &Noise, metadata: &Metadata) -> std::result::Result<Vec<u8>, Error> {
-    encode_with_layers(picture, noise, &Surfaces::default(), &[], metadata)
+    encode_with_layers(picture, noise, None, &Surfaces::default(), &[], metadata)
 }
 
-/// As [`encode_with_noise`], with the layers of `wanted` from `surfaces`: `albedo` (R, G, B), `normal` (X, Y, Z), `depth` (Z),
-/// and Cryptomattes of objects and materials.
+/// As [`encode_with_noise`], with the picture without its noise as the layer `denoised` (R, G, B, of the same size and as
+/// premultiplied), and with the layers of `wanted` from `surfaces`: `albedo` (R, G, B), `normal` (X, Y, Z), `depth` (Z), and
+/// Cryptomattes of objects and materials.
 ///
 /// # Errors
 /// As [`encode`].
 pub fn encode_with_layers(
     picture: &Picture,
     noise: &Noise,
+    denoised: Option<&Picture>,
     surfaces: &Surfaces,
     wanted: &[settings::Layer],
     metadata: &Metadata,
@@ -45,6 +47,10 @@ pub fn encode_with_layers(
             let values = variance.iter().map(|v| v[c]).collect();
             channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
         }
+    }
+    for (c, name) in ["denoised.R", "denoised.G", "denoised.B"].into_iter().enumerate() {
+        let values = |picture: &Picture| picture.pixels.iter().map(|p| p[c]).collect();
+        channels.extend(denoised.map(|picture| AnyChannel::new(name, FlatSamples::F32(values(picture)))));
     }
     // Numbers, not light: nothing is to be applied to them.
     let mut samples = AnyChannel::new("samples", FlatSamples::U32(noise.samples.clone()));
@@ -139,6 +145,7 @@ mod tests {
             spp: 64,
             view: 3,
             stated: None,
+            denoised: None,
         }
     }
 

@@ -34,6 +34,9 @@ pub struct Metadata {
     /// Its error; `None`: not known.
     #[serde(flatten)]
     pub stated: Option<StatedError>,
+    /// What removed the noise: of a PNG file as a whole, of an EXR file in its layers `denoised`; `None`: nothing did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub denoised: Option<String>,
 }
 
 impl Metadata {
@@ -61,6 +64,7 @@ impl Metadata {
                 ("kiln:relmse_bound", stated.relmse_bound.to_string()),
             ]);
         }
+        entries.extend(self.denoised.iter().map(|by| ("kiln:denoised", by.clone())));
         entries
     }
 }

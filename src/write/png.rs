@@ -67,6 +67,7 @@ mod tests {
             spp: 64,
             view: 0,
             stated: None,
+            denoised: None,
         }
     }
 

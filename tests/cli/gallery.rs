@@ -1,6 +1,6 @@
 //! The gallery of a batch, as far as the program goes; how it looks and works in a browser is in tests/browser.
 
-use crate::support::{OBJ, code, files, folder, kiln, stderr};
+use crate::support::{OBJ, code, command, files, folder, kiln, stderr};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

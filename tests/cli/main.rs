@@ -5,6 +5,8 @@
 mod batch;
 mod compare;
 mod config;
+#[cfg(unix)]
+mod denoise;
 mod determinism;
 mod gallery;
 #[cfg(unix)]

@@ -44,6 +44,7 @@ function asset(raw, index) {
     bound: largest(raw.views?.bound),
     change: data.against === null ? null : (raw.before?.change ?? "new"),
     get pictures() { return files(raw.views?.png); },
+    get denoised() { return files(raw.views?.denoised); },
     get earlier() { return files(raw.before?.png); },
     count: Array.isArray(raw.views?.png) ? raw.views.png.length : (raw.views?.png?.count ?? 0),
   };

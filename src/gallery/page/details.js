@@ -31,6 +31,7 @@ function pictures(a) {
   const controls = el("div", { class: "controls" });
   if (shown.length > 1) controls.append(turner(a, easel, picture, past, shown, earlier));
   if (compares) controls.append(comparer(a, easel));
+  if (!compares && shown.length === 1 && a.denoised.length === 1) controls.append(denoiser(picture, shown[0], address(a.denoised[0])));
   controls.append(backdrop(easel));
   return el("div", { class: "scene" }, easel, controls);
 }
@@ -70,6 +71,20 @@ function comparer(a, easel) {
   };
   set(mode);
   return el("div", { class: "segments", role: "group", "aria-label": "Compare with the earlier run" }, buttons);
+}
+
+/** The picture as it was rendered, whose error is known, or the one without noise. */
+function denoiser(picture, rendered, denoised) {
+  const set = (button, source) => {
+    picture.src = source;
+    buttons.forEach(b => b.setAttribute("aria-pressed", String(b === button)));
+  };
+  const buttons = [["As rendered", rendered], ["Denoised", denoised]].map(([text, source]) => {
+    const button = el("button", { type: "button", text, onclick: () => set(button, source) });
+    return button;
+  });
+  set(buttons[0], rendered);
+  return el("div", { class: "segments", role: "group", "aria-label": "Noise" }, buttons);
 }
 
 /** What lies behind what is transparent. */
@@ -130,7 +145,7 @@ function warnings(a) {
 }
 
 function links(a) {
-  const all = [...a.pictures, ...files(a.views?.exr)];
+  const all = [...a.pictures, ...a.denoised, ...files(a.views?.exr)];
   const link = path => el("li", {}, el("a", { href: address(path), target: "_blank", rel: "noopener", text: path.slice(path.lastIndexOf("/") + 1) }));
   if (!all.length) return null;
   return all.length > 4 ? el("details", {}, el("summary", { text: plural(all.length, "file") }), el("ul", { class: "files" }, all.map(link))) : el("ul", { class: "files" }, all.map(link));
