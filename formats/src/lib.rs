@@ -10,7 +10,7 @@ pub mod gltf;
 pub mod images;
 mod limits;
 pub mod obj;
-mod parallel;
+pub mod parallel;
 pub mod ray;
 pub mod repair;
 pub mod resources;

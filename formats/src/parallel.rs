@@ -5,7 +5,7 @@ use cpu_time::ThreadTime;
 use rayon::prelude::*;
 
 /// What `one` makes of each item, in their order, on the current rayon pool. `control` is told of the CPU time of the pool's threads.
-pub(crate) fn map<T: Sync, R: Send>(items: &[T], control: &Control, one: impl Fn(&T) -> R + Sync) -> Vec<R> {
+pub fn map<T: Sync, R: Send>(items: &[T], control: &Control, one: impl Fn(&T) -> R + Sync) -> Vec<R> {
     // Called from a thread of the pool, that thread works too, and whoever takes its time has it already.
     let outside = rayon::current_thread_index().is_none();
     let timed = |item| {
@@ -16,7 +16,7 @@ pub(crate) fn map<T: Sync, R: Send>(items: &[T], control: &Control, one: impl Fn
         }
         made
     };
-    items.par_iter().map(timed).collect()
+    items.par_iter().with_max_len(1).map(timed).collect()
 }
 
 #[cfg(test)]

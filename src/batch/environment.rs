@@ -1,19 +1,24 @@
 use super::digest;
-use crate::prepare::{EnvironmentSource, has_own_light};
+use crate::prepare::{EnvironmentSource, SharedEnvironment, has_own_light};
 use crate::settings::{EnvironmentFile, EnvironmentSettings};
 use crate::write::{exr, srgb};
 use kiln_formats::scene::{Image, Pixels};
 use kiln_formats::{Format, Limits, Scene, images};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A decoded environment picture with linear pixels.
 #[derive(Clone, Debug)]
 pub struct LoadedEnvironment {
-    image: Image,
+    image: Arc<Image>,
     digest: String,
     name: String,
+    /// As it was last asked for, with rotation and intensity.
+    shared: Arc<Mutex<Option<Asked>>>,
 }
+
+/// Rotation and intensity, bit for bit, and the tables made for them.
+type Asked = ([u32; 2], Arc<SharedEnvironment>);
 
 impl LoadedEnvironment {
     /// Reads an environment picture.
@@ -30,7 +35,7 @@ impl LoadedEnvironment {
         let bytes = std::fs::read(path).map_err(|e| in_file(format!("cannot be read: {e}")))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let image = decode(&bytes, &name, limits.max_texels).map_err(in_file)?;
-        Ok(Self { image, digest: digest::of_bytes(&bytes), name })
+        Ok(Self { image: Arc::new(image), digest: digest::of_bytes(&bytes), name, shared: Arc::default() })
     }
 
     /// Hash of the file.
@@ -97,11 +102,12 @@ pub fn choose(
 }
 
 fn source(file: &EnvironmentFile, loaded: &LoadedEnvironment) -> EnvironmentSource {
-    EnvironmentSource::Image {
-        image: loaded.image.clone(),
-        rotation_y: file.rotation_y_deg.to_radians() as f32,
-        intensity: file.intensity as f32,
-    }
+    let (rotation_y, intensity) = (file.rotation_y_deg.to_radians() as f32, file.intensity as f32);
+    let asked = [rotation_y.to_bits(), intensity.to_bits()];
+    let mut shared = loaded.shared.lock().unwrap_or_else(PoisonError::into_inner);
+    let new = || (asked, Arc::new(SharedEnvironment::new(loaded.image.clone(), rotation_y, intensity)));
+    let kept = shared.take().filter(|(kept, _)| *kept == asked).unwrap_or_else(new);
+    EnvironmentSource::Shared(shared.insert(kept).1.clone())
 }
 
 #[cfg(test)]
@@ -158,6 +164,13 @@ mod tests {
         assert_eq!((loaded.image.width, loaded.image.height, loaded.name.as_str()), (2, 1, "sky.exr"));
         let Pixels::RgbaF32(values) = &loaded.image.pixels else { panic!("floats") };
         assert_eq!(values[..], [1.0, 2.0, 30.0, 1.0, 0.0, 0.0, 0.5, 1.0]);
+        // Its tables are made once, and anew for another light.
+        let file = |intensity| EnvironmentFile { path: path.clone(), rotation_y_deg: 0.0, intensity };
+        let shared = |intensity| match source(&file(intensity), &loaded) {
+            EnvironmentSource::Shared(shared) => shared,
+            other => panic!("{other:?}"),
+        };
+        assert!(Arc::ptr_eq(&shared(1.0), &shared(1.0)) && !Arc::ptr_eq(&shared(1.0), &shared(2.0)));
         std::fs::write(&path, b"no picture at all").expect("write");
         assert!(LoadedEnvironment::read(&path).expect_err("broken").contains("sky.exr"));
         assert!(LoadedEnvironment::read(&folder.path().join("none.hdr")).is_err());

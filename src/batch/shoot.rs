@@ -74,7 +74,7 @@ impl Work<'_> {
                 view: 0,
                 exposure,
             };
-            shot.encode(self.job, self.outcome)?;
+            let _ = shot.encode(self.job, self.outcome)?;
             self.budget.learn(&trial);
         }
         let ended = match ended {

@@ -106,14 +106,16 @@ impl Work<'_> {
         let planned = pixels.saturating_mul(u64::from(self.job.settings.render.spp) * RAYS_PER_PATH);
         let settings = PrepareSettings { planned_rays: Some(planned), ..self.job.settings.prepare };
         let work = move |control: &Control| guarded(|| prepare(scene, &environment, &settings, control));
+        let helped = self.control.helpers_cpu();
         let (prepared, cpu) = by_deadline(self.control, work)?;
         let prepared = prepared??;
+        let by_helpers = self.control.helpers_cpu().saturating_sub(helped).as_secs_f64();
         let tree = prepared.times;
         self.outcome.seconds.kdtree = tree.kdtree;
         self.outcome.seconds.prepare = (clock.seconds().0 - tree.kdtree).max(0.0);
         self.outcome.cpu_seconds.kdtree = tree.kdtree_cpu;
         // What the thread did for the tree is in the tree's share already.
-        self.outcome.cpu_seconds.prepare = (cpu - tree.kdtree_caller_cpu).max(0.0);
+        self.outcome.cpu_seconds.prepare = (cpu - tree.kdtree_caller_cpu).max(0.0) + by_helpers;
         if let Some(facts) = &mut self.outcome.scene {
             facts.triangles = prepared.triangles;
             facts.emitters = prepared.emitters;

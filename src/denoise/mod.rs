@@ -40,11 +40,10 @@ impl Denoiser {
     /// # Errors
     /// A sentence with what can be done, when it is not there or does not run.
     pub fn check(&self) -> Result<(), String> {
-        let mut asked = Command::new(&self.program);
-        asked.arg("-h").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        let why = match asked.status() {
-            Ok(status) if status.success() => return Ok(()),
-            Ok(status) => status.to_string(),
+        let why = match Command::new(&self.program).arg("-h").stdin(Stdio::null()).output() {
+            // Its help ends with a code that says failure.
+            Ok(output) if String::from_utf8_lossy(&output.stdout).contains("Open Image Denoise") => return Ok(()),
+            Ok(output) => last_line(&output.stderr).unwrap_or_else(|| output.status.to_string()),
             Err(error) => error.to_string(),
         };
         Err(format!(
@@ -80,8 +79,7 @@ impl Denoiser {
         command.args(["-d", "cpu", "--threads", &threads.to_string()]).stdin(Stdio::null());
         let output = command.output().map_err(|e| format!("{} cannot be started: {e}", self.program.display()))?;
         if !output.status.success() {
-            let said = String::from_utf8_lossy(&output.stderr);
-            let last = said.trim().lines().next_back().unwrap_or("it says nothing");
+            let last = last_line(&output.stderr).unwrap_or_else(|| "it says nothing".into());
             return Err(format!("{} failed ({}): {last}", self.program.display(), output.status));
         }
         let bytes = fs::read(&result).map_err(|e| format!("the denoiser made no picture: {e}"))?;
@@ -92,6 +90,12 @@ impl Denoiser {
         let by = name(&String::from_utf8_lossy(&output.stdout));
         Ok(Denoised { picture: Picture { width, height, pixels }, by })
     }
+}
+
+/// The last that a program complained about.
+fn last_line(said: &[u8]) -> Option<String> {
+    let said = String::from_utf8_lossy(said);
+    said.lines().map(str::trim).rfind(|line| !line.is_empty()).map(str::to_owned)
 }
 
 /// The denoiser's name with the version that it tells of in `device=CPU, version=2.5.1, msec=7.5`.

@@ -13,7 +13,7 @@ const MOST_PIXELS: u64 = 1 << 28;
 pub enum AnimationFormat {
     /// Animated PNG.
     Apng,
-    /// Animated WebP, without loss: about half as large.
+    /// Animated WebP, without loss: a little smaller.
     Webp,
     /// H.264 by ffmpeg, over a background.
     Mp4,

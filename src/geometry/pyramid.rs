@@ -1,9 +1,8 @@
 //! Textures at half, a quarter, … of their size (Williams 1983), for rays that see many texels at once.
 
 use super::textures::{SRGB_8, linear_to_srgb_8, srgb_to_linear};
-use kiln_formats::Scene;
 use kiln_formats::scene::{ColorSpace, Image, ImageId, Pixels};
-use rayon::prelude::*;
+use kiln_formats::{Control, Scene, parallel};
 use std::collections::BTreeMap;
 
 /// The smaller versions of all images that the scene's textures use. Averages are taken of linear values.
@@ -16,8 +15,8 @@ pub struct Pyramids {
 }
 
 impl Pyramids {
-    /// Makes them, on the current rayon pool.
-    pub fn new(scene: &Scene) -> Self {
+    /// Makes them, on the current rayon pool; `control` is told what that takes there.
+    pub fn new(scene: &Scene, control: &Control) -> Self {
         let mut ids: BTreeMap<(ImageId, bool), u32> = BTreeMap::new();
         let mut sources = Vec::new();
         let of_texture = scene.textures.iter().map(|texture| {
@@ -28,7 +27,7 @@ impl Pyramids {
         });
         let of_texture = of_texture.collect();
         let chain = |(image, space): &(ImageId, ColorSpace)| chain(&scene.images[*image as usize], *space);
-        Self { chains: sources.par_iter().with_max_len(1).map(chain).collect(), of_texture }
+        Self { chains: parallel::map(&sources, control, chain), of_texture }
     }
 
     /// A texture's image at 1/2^`level` of its size, or its smallest one.
@@ -199,7 +198,7 @@ mod tests {
             textures: vec![of(ColorSpace::Srgb), of(ColorSpace::Linear), of(ColorSpace::Srgb)],
             ..Scene::default()
         };
-        let pyramids = Pyramids::new(&scene);
+        let pyramids = Pyramids::new(&scene, &Control::default());
         assert_eq!((pyramids.chains.len(), &pyramids.of_texture[..]), (2, &[0, 1, 0][..]));
         let size = |level| pyramids.level(&scene, TextureRef::new(0).texture, level).width;
         assert_eq!([0, 1, 2, 3, 40].map(size), [4, 2, 1, 1, 1]);

@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn wide_rays_see_the_mean_and_narrow_ones_the_texels() {
         let scene = two_by_two(Filter::Linear, Wrap::Repeat);
-        let pyramids = Pyramids::new(&scene);
+        let pyramids = Pyramids::new(&scene, &kiln_formats::Control::default());
         let at = |uv, width: f32| {
             let reader = Reader { scene: &scene, pyramids: &pyramids, uv: [uv; 2], footprint: [width * width; 2] };
             reader.lookup(&TextureRef::new(0))

@@ -23,9 +23,34 @@ pub enum EnvironmentSource {
         /// Multiplies its radiance.
         intensity: f32,
     },
+    /// A picture that lights many scenes.
+    Shared(Arc<SharedEnvironment>),
     /// A soft key, fill and rim light of our own.
     #[default]
     Studio,
+}
+
+/// A picture as in [`EnvironmentSource::Image`] whose tables are made once for all scenes with the same up axis: of a picture with half
+/// a million pixels that takes fifty times longer than a tiny asset does.
+#[derive(Debug)]
+pub struct SharedEnvironment {
+    image: Arc<Image>,
+    rotation_y: f32,
+    intensity: f32,
+    /// For +Y and +Z up.
+    maps: [OnceLock<Option<Arc<EnvironmentMap>>>; 2],
+}
+
+impl SharedEnvironment {
+    /// Of linear pixels; the numbers are those of [`EnvironmentSource::Image`].
+    pub fn new(image: Arc<Image>, rotation_y: f32, intensity: f32) -> Self {
+        Self { image, rotation_y, intensity, maps: Default::default() }
+    }
+
+    fn map(&self, up: UpAxis) -> Option<Arc<EnvironmentMap>> {
+        let make = || EnvironmentMap::new(&self.image, self.rotation_y, self.intensity, up).map(Arc::new);
+        self.maps[usize::from(up == UpAxis::Z)].get_or_init(make).clone()
+    }
 }
 
 /// Light from infinitely far away.
@@ -65,6 +90,7 @@ impl Environment {
             EnvironmentSource::Image { image, rotation_y, intensity } => {
                 EnvironmentMap::new(image, *rotation_y, *intensity, up).map(|m| Self::Map(Arc::new(m)))
             }
+            EnvironmentSource::Shared(shared) => shared.map(up).map(Self::Map),
             EnvironmentSource::Studio => EnvironmentMap::studio(up).map(Self::Map),
         }
     }

@@ -19,7 +19,7 @@ mod tree;
 
 pub use clusters::Receiver;
 pub use clusters_lanes::{LightRoom, ReceiverLanes};
-pub use environment::{Environment, EnvironmentSource};
+pub use environment::{Environment, EnvironmentSource, SharedEnvironment};
 pub use lights::Lights;
 pub use lights_lanes::LightSampleLanes;
 pub use sample::{LightReach, LightSample, Target};

@@ -11,8 +11,8 @@ pub(crate) use crate::effects::Knowledge;
 use crate::effects::{self, Rewrite};
 use crate::geometry::{Geometry, Pyramids, WorldFrame, world_bounds};
 use crate::lanes::AnyLanes;
-pub use crate::lighting::EnvironmentSource;
 use crate::lighting::{Environment, Lights};
+pub use crate::lighting::{EnvironmentSource, SharedEnvironment};
 use crate::math::simd::SimdTier;
 use crate::settings::{EffectSet, PrepareSettings, SimdTier as AskedTier};
 pub(crate) use asks::Asks;
@@ -144,7 +144,7 @@ pub(crate) fn prepare_knowing(
     let environment = Environment::new(environment, scene.up);
     let lights = Lights::new(&scene, &geometry, &frame, environment, settings);
     control.check()?;
-    let pyramids = Pyramids::new(&scene);
+    let pyramids = Pyramids::new(&scene, control);
     control.check()?;
     let (start, clock) = (Instant::now(), ThreadTime::now());
     let options = BuildOptions {

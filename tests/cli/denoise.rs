@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// Gives back the picture, or the colours of its surfaces, or fails, as its name says.
 const SCRIPT: &str = r#"#!/bin/sh
-[ "$1" = -h ] && exit 0
+[ "$1" = -h ] && { echo "Open Image Denoise"; exit 1; }
 while [ $# -gt 0 ]; do
     case $1 in -hdr) color=$2;; -alb) albedo=$2;; -o) result=$2;; esac
     shift
