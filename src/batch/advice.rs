@@ -30,8 +30,8 @@ pub const ALL: &[Advice] = &[
     advice("ambiguous-transparency", "`d` and `Tr` of a material disagree", "write one of them"),
     advice(
         "animation-ignored",
-        "An animation, or a part of it, cannot be played; the rest pose is shown",
-        "look at the place that is named; export the animation again",
+        "An animation, or a part of it, is not played; the rest pose is shown",
+        "`--time-code T` shows a moment, `--turntable N --play` all; or export it again",
     ),
     advice("attribute-ignored", "A vertex attribute is not used", "nothing, unless the picture lacks something"),
     advice("bad-face", "A face is broken and left out", "mend the line"),

@@ -43,7 +43,11 @@ pub fn text(console: &Console, tally: &Tally, seconds: f64, manifest: &str) -> S
             plural(warned.assets, "asset"),
             harmless(&warned.examples.join(", "))
         );
-        lines.push(advice::of(code).map_or(head.clone(), |a| format!("{head}\n  {}: {}", a.meaning, a.remedy)));
+        let advised = |a: &advice::Advice| match a.remedy {
+            "nothing" => format!("{head}\n  {}", a.meaning),
+            remedy => format!("{head}\n  {}: {remedy}", a.meaning),
+        };
+        lines.push(advice::of(code).map_or(head.clone(), advised));
     }
     lines.push(format!("manifest: {manifest}"));
     lines.join("\n")
