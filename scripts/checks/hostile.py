@@ -54,9 +54,9 @@ def glass_of_extremes(c):
         length = 0.25 if k < 6 else 0.5
         value = [v * t**length for v, t in zip(value, tint)]
     c.add("absorption-nested-in-seven", "Seven bodies, each within the one before", c.gltf("absorbing_in_seven", *slabs),
-          "A quarter unit of each but the innermost, half a unit of that.", value, pencil((0.1, 0.2, 3), (0.1, 0.2, 0)), WHITE, spp=4096)
+          "A quarter unit of each but the innermost, half a unit of that.", value, pencil((0.1, 0.2, 3), (0.1, 0.2, 0)), WHITE, spp=256)
     c.add("absorption-nested-from-within", "The camera in the innermost of seven bodies", "absorbing_in_seven.gltf",
-          "From the middle: half of the way through all of them.", [sqrt(v) for v in value], pencil((0.1, 0.2, 0), (0.1, 0.2, 1)), WHITE, spp=1024)
+          "From the middle: half of the way through all of them.", [sqrt(v) for v in value], pencil((0.1, 0.2, 0), (0.1, 0.2, 1)), WHITE, spp=256)
     rod = box((-0.02, -0.02, -2), (0.02, 0.02, 2))
     c.add("furnace-glass-fibre", "Into the end of a glass fibre a hundred times longer than wide", c.gltf("glass_fibre", {"triangles": rod, "material": glass(1.5)}),
           FURNACE + "Light that total reflection leads along the fibre comes out of its other end.", 1.0, pencil((0.9, 0.4, 3.3), (0.004, 0.003, 2)), WHITE,
