@@ -10,7 +10,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("lanes", &["math"]),
     ("settings", &["math"]),
-    ("geometry", &["math"]),
+    ("geometry", &["lanes", "math"]),
     ("sampling", &["lanes", "math", "settings"]),
     ("shading", &["lanes", "math"]),
     ("film", &["sampling"]),

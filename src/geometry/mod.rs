@@ -6,6 +6,7 @@ mod parts;
 mod pyramid;
 mod shapes;
 pub mod textures;
+mod textures_lanes;
 mod triangles;
 mod world;
 
@@ -13,5 +14,6 @@ pub use coverage::coverage;
 pub use parts::Part;
 pub use pyramid::Pyramids;
 pub use shapes::{Shape, Sharing};
-pub use triangles::{Attributes, Geometry};
+pub use textures_lanes::TexturesLanes;
+pub use triangles::{Attributes, Geometry, Texturing};
 pub use world::{WorldFrame, world_bounds};

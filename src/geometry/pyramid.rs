@@ -33,11 +33,16 @@ impl Pyramids {
     /// A texture's image at 1/2^`level` of its size, or its smallest one.
     #[inline]
     pub fn level<'a>(&'a self, scene: &'a Scene, texture: u32, level: u32) -> &'a Image {
-        let smaller = self.of_texture.get(texture as usize).map(|chain| self.chains[*chain as usize].as_slice());
-        match smaller {
-            Some(chain) if level > 0 && !chain.is_empty() => &chain[(level as usize - 1).min(chain.len() - 1)],
+        match self.chain(texture) {
+            chain if level > 0 && !chain.is_empty() => &chain[(level as usize - 1).min(chain.len() - 1)],
             _ => &scene.images[scene.textures[texture as usize].image as usize],
         }
+    }
+
+    /// The smaller versions of a texture's image, the largest first.
+    #[inline]
+    pub fn chain(&self, texture: u32) -> &[Image] {
+        self.of_texture.get(texture as usize).map_or(&[], |chain| self.chains[*chain as usize].as_slice())
     }
 }
 

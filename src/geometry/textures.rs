@@ -6,6 +6,7 @@ use kiln_formats::Scene;
 use kiln_formats::scene::{
     Channel, ColorInput, ColorSpace, Filter, Image, Pixels, ScalarInput, Texture, TextureRef, Wrap,
 };
+use std::ops::{Add, Mul};
 use std::sync::LazyLock;
 
 /// The sRGB transfer function of IEC 61966-2-1, from stored [0, 1] to linear.
@@ -62,21 +63,37 @@ fn texel(image: &Image, space: ColorSpace, x: u32, y: u32) -> Vec4 {
     }
 }
 
-fn wrap(index: i64, size: u32, mode: Wrap) -> u32 {
-    let n = i64::from(size);
-    // Nearly always, and without a division.
-    if (0..n).contains(&index) {
-        return index as u32;
-    }
-    let wrapped = match mode {
-        Wrap::Repeat => index.rem_euclid(n),
-        Wrap::Clamp => index.clamp(0, n - 1),
+/// Where a coordinate lies among `size` texels: `along` them, with texel 0 from 0 to 1, between −½ and `size`. Coordinates are
+/// wrapped before they are multiplied, so that no precision is lost far out.
+fn texels_along(coordinate: f32, size: u32, mode: Wrap) -> f32 {
+    let size = size as f32;
+    match mode {
+        Wrap::Repeat => (coordinate - floor(coordinate)) * size,
+        Wrap::Clamp => coordinate.max(0.0).min(1.0) * size,
         Wrap::Mirror => {
-            let m = index.rem_euclid(2 * n);
-            if m < n { m } else { 2 * n - 1 - m }
+            let turn = coordinate - 2.0 * floor(coordinate * 0.5);
+            (if turn > 1.0 { 2.0 - turn } else { turn }) * size
         }
-    };
-    wrapped as u32
+    }
+}
+
+/// The texel that has a number between −1 and `size`: that at the other side, or the last one again.
+fn wrapped(index: i32, size: u32, mode: Wrap) -> u32 {
+    let last = size as i32 - 1;
+    match mode {
+        Wrap::Repeat if index < 0 => last as u32,
+        Wrap::Repeat if index > last => 0,
+        _ => index.clamp(0, last) as u32,
+    }
+}
+
+/// Without a call, for numbers that are small or whole.
+fn floor(x: f32) -> f32 {
+    if x.abs() >= 8_388_608.0 {
+        return x;
+    }
+    let whole = x as i32 as f32;
+    if whole > x { whole - 1.0 } else { whole }
 }
 
 /// The linear RGBA value of a texture at texture coordinates (before the reference's transform), unfiltered.
@@ -87,26 +104,49 @@ pub fn lookup(scene: &Scene, reference: &TextureRef, uvs: &[[f32; 2]; 2]) -> Vec
 
 /// Reads a texture in one of the sizes of its image.
 fn read(image: &Image, texture: &Texture, reference: &TextureRef, uvs: &[[f32; 2]; 2]) -> Vec4 {
+    let texel = |x, y| texel(image, texture.color_space, x, y);
+    interpolate(image, texture, reference, uvs, texel).unwrap_or(Vec4::ZERO)
+}
+
+/// What lies at texture coordinates, made of what `texel` gives for columns and rows; `None` for coordinates that are no
+/// numbers.
+#[inline]
+fn interpolate<T: Copy + Add<Output = T> + Mul<f32, Output = T>>(
+    image: &Image,
+    texture: &Texture,
+    reference: &TextureRef,
+    uvs: &[[f32; 2]; 2],
+    texel: impl Fn(u32, u32) -> T,
+) -> Option<T> {
     let [u, v] = reference.transform.apply(uvs[reference.uv_set as usize & 1]);
     if !u.is_finite() || !v.is_finite() {
-        return Vec4::ZERO;
+        return None;
     }
-    let (x, y) = (f64::from(u) * f64::from(image.width), f64::from(v) * f64::from(image.height));
-    let fetch = |x: f64, y: f64| {
-        let (x, y) = (wrap(x as i64, image.width, texture.wrap_u), wrap(y as i64, image.height, texture.wrap_v));
-        texel(image, texture.color_space, x, y)
-    };
-    match texture.filter {
-        Filter::Nearest => fetch(x.floor(), y.floor()),
-        Filter::Linear => {
-            let (x, y) = (x - 0.5, y - 0.5);
-            let (x0, y0) = (x.floor(), y.floor());
-            let (fx, fy) = ((x - x0) as f32, (y - y0) as f32);
-            let upper = fetch(x0, y0) * (1.0 - fx) + fetch(x0 + 1.0, y0) * fx;
-            let lower = fetch(x0, y0 + 1.0) * (1.0 - fx) + fetch(x0 + 1.0, y0 + 1.0) * fx;
-            upper * (1.0 - fy) + lower * fy
-        }
+    let (width, height) = (image.width, image.height);
+    let (x, y) = (texels_along(u, width, texture.wrap_u), texels_along(v, height, texture.wrap_v));
+    let (column, row) = (|x| wrapped(x, width, texture.wrap_u), |y| wrapped(y, height, texture.wrap_v));
+    if texture.filter == Filter::Nearest {
+        return Some(texel(column(x as i32), row(y as i32)));
     }
+    let (x, y) = (x - 0.5, y - 0.5);
+    let (x0, y0) = (floor(x), floor(y));
+    let (fx, fy) = (x - x0, y - y0);
+    let (left, right) = (column(x0 as i32), column(x0 as i32 + 1));
+    let (top, bottom) = (row(y0 as i32), row(y0 as i32 + 1));
+    let upper = texel(left, top) * (1.0 - fx) + texel(right, top) * fx;
+    let lower = texel(left, bottom) * (1.0 - fx) + texel(right, bottom) * fx;
+    Some(upper * (1.0 - fy) + lower * fy)
+}
+
+/// The value of a scalar input that is read from an alpha channel of 8 bits, unfiltered: what [`scalar`] gives, sooner.
+fn alpha_8(scene: &Scene, input: &ScalarInput, uvs: &[[f32; 2]; 2]) -> Option<f32> {
+    let reference = input.texture.as_ref().filter(|_| input.channel == Channel::A && input.factor != 0.0)?;
+    let texture = &scene.textures[reference.texture as usize];
+    let image = &scene.images[texture.image as usize];
+    let Pixels::Rgba8(bytes) = &image.pixels else { return None };
+    let texel =
+        |x: u32, y: u32| f32::from(bytes[4 * (y as usize * image.width as usize + x as usize) + 3]) * (1.0 / 255.0);
+    Some(input.bias + input.factor * interpolate(image, texture, reference, uvs, texel).unwrap_or(0.0))
 }
 
 /// The value of a colour input, unfiltered.
@@ -116,7 +156,7 @@ pub fn color(scene: &Scene, input: &ColorInput, uvs: &[[f32; 2]; 2]) -> Vec3 {
 
 /// The value of a scalar input, unfiltered.
 pub fn scalar(scene: &Scene, input: &ScalarInput, uvs: &[[f32; 2]; 2]) -> f32 {
-    scalar_by(input, |reference| lookup(scene, reference, uvs))
+    alpha_8(scene, input, uvs).unwrap_or_else(|| scalar_by(input, |reference| lookup(scene, reference, uvs)))
 }
 
 fn color_by(input: &ColorInput, lookup: impl FnOnce(&TextureRef) -> Vec4) -> Vec3 {

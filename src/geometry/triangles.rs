@@ -51,6 +51,19 @@ pub struct Attributes {
     pub tangent: Option<(Vec3, f32)>,
 }
 
+/// What a mesh says of a point beside its normal.
+#[derive(Clone, Copy, Debug)]
+pub struct Texturing {
+    /// Both sets of texture coordinates.
+    pub uv: [[f32; 2]; 2],
+    /// Twice the triangle's area in each of them.
+    pub uv_area: [f32; 2],
+    /// Linear RGB factor.
+    pub color: Vec3,
+    /// As in [`Attributes`]; a handedness of 0 where there is none.
+    pub tangent: (Vec3, f32),
+}
+
 impl Geometry {
     /// Places all meshes in the world. Triangles without area, and with coordinates beyond `f32`, are left out.
     pub fn new(scene: &Scene, frame: &WorldFrame) -> Self {
@@ -241,15 +254,8 @@ impl Geometry {
             if uvs.is_empty() {
                 return 0.0;
             }
-            let [a, b, c] = v.map(|i| Vec2::from(uvs[i]));
-            (b - a).perp_dot(c - a).abs() / area
+            uv_area(uvs, v) / area
         })
-    }
-
-    /// Alpha of the vertex colours, at barycentric weights `b`.
-    pub fn vertex_alpha(&self, scene: &Scene, triangle: u32, b: [f32; 3]) -> f32 {
-        let (mesh, v) = self.source(scene, triangle);
-        if mesh.colors.is_empty() { 1.0 } else { (0..3).map(|k| b[k] * mesh.colors[v[k]][3]).sum() }
     }
 
     /// Normals at the corners of a triangle on its front, in the rays' frame and not of unit length, where the mesh has normals
@@ -268,23 +274,32 @@ impl Geometry {
         }
     }
 
-    /// The vertex colour, at barycentric weights `b`: linear RGBA.
-    pub fn color(&self, scene: &Scene, triangle: u32, b: [f32; 3]) -> Vec4 {
+    /// Texture coordinates, colour and, where it is wanted, the tangent, at barycentric weights `b`.
+    #[inline]
+    pub fn texturing(&self, scene: &Scene, triangle: u32, b: [f32; 3], tangents: bool) -> Texturing {
         let (mesh, v) = self.source(scene, triangle);
-        color_at(mesh, v, b)
+        let uv_area = [0, 1].map(|set| if mesh.uvs[set].is_empty() { 0.0 } else { uv_area(&mesh.uvs[set], v) });
+        let tangent = match tangents && !mesh.tangents.is_empty() {
+            true => self.tangent(mesh, triangle, v, b),
+            false => (Vec3::ZERO, 0.0),
+        };
+        let color = if mesh.colors.is_empty() { Vec3::ONE } else { mix4(&mesh.colors, v, b).truncate() };
+        Texturing { uv: uv_at(mesh, v, b), uv_area, color, tangent }
+    }
+
+    fn tangent(&self, mesh: &Mesh, triangle: u32, v: [usize; 3], b: [f32; 3]) -> (Vec3, f32) {
+        let part = self.part(triangle);
+        // A mirrored placement turns the cross product of normal and tangent around, but not the bitangent.
+        let handedness = mesh.tangents[v[0]][3] * part.winding;
+        (part.direction_matrix * mix4(&mesh.tangents, v, b).truncate(), handedness)
     }
 
     /// Everything that the mesh says about the point with barycentric weights `b`.
     pub fn attributes(&self, scene: &Scene, triangle: u32, b: [f32; 3]) -> Attributes {
-        let part = self.part(triangle);
         let (mesh, v) = self.source(scene, triangle);
         let votes = self.corner_normals(triangle);
         let normal = votes.and_then(|n| (n[0] * b[0] + n[1] * b[1] + n[2] * b[2]).try_normalize());
-        let tangent = (!mesh.tangents.is_empty()).then(|| {
-            // A mirrored placement turns the cross product of normal and tangent around, but not the bitangent.
-            let handedness = mesh.tangents[v[0]][3] * part.winding;
-            (part.direction_matrix * mix4(&mesh.tangents, v, b).truncate(), handedness)
-        });
+        let tangent = (!mesh.tangents.is_empty()).then(|| self.tangent(mesh, triangle, v, b));
         Attributes { uv: uv_at(mesh, v, b), color: color_at(mesh, v, b), normal, tangent }
     }
 }
@@ -298,11 +313,22 @@ fn mix4(values: &[[f32; 4]], v: [usize; 3], b: [f32; 3]) -> Vec4 {
     (0..3).map(|k| Vec4::from(values[v[k]]) * b[k]).sum()
 }
 
+/// Twice the area of a triangle in texture coordinates.
+fn uv_area(uvs: &[[f32; 2]], v: [usize; 3]) -> f32 {
+    let [a, b, c] = v.map(|i| Vec2::from(uvs[i]));
+    (b - a).perp_dot(c - a).abs()
+}
+
 fn color_at(mesh: &Mesh, v: [usize; 3], b: [f32; 3]) -> Vec4 {
     if mesh.colors.is_empty() { Vec4::ONE } else { mix4(&mesh.colors, v, b) }
 }
 
-fn uv_at(mesh: &Mesh, v: [usize; 3], b: [f32; 3]) -> [[f32; 2]; 2] {
+/// Alpha of the vertex colours.
+pub(super) fn vertex_alpha(mesh: &Mesh, v: [usize; 3], b: [f32; 3]) -> f32 {
+    if mesh.colors.is_empty() { 1.0 } else { (0..3).map(|k| b[k] * mesh.colors[v[k]][3]).sum() }
+}
+
+pub(super) fn uv_at(mesh: &Mesh, v: [usize; 3], b: [f32; 3]) -> [[f32; 2]; 2] {
     let set = |uvs: &[[f32; 2]]| {
         if uvs.is_empty() { [0.0; 2] } else { (0..3).map(|k| Vec2::from(uvs[v[k]]) * b[k]).sum::<Vec2>().into() }
     };

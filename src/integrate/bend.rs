@@ -20,7 +20,7 @@ pub(super) fn visible_normal(shading: Vec3, normal: Vec3, wo: Vec3) -> Vec3 {
 }
 
 /// The least cosine between the face's normal and a mirrored direction.
-const LEAST_MIRRORED: f32 = 0.01;
+pub(super) const LEAST_MIRRORED: f32 = 0.01;
 
 /// The shading normal turned towards the face's just as far as the mirror image of `wo` in it needs to be above the face;
 /// `None` where it is already. All are unit vectors, `wo` and `shading` on the side of `normal`.

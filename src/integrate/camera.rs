@@ -1,7 +1,7 @@
 use super::cone::{Cone, SHARPNESS};
 use crate::geometry::WorldFrame;
 use crate::lanes::{Floats, V3};
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 use kiln_formats::scene::{Camera, Projection};
 
 /// All geometry lies within this distance of the origin of the rays' frame (√3, as its extent lies below 2).
@@ -41,6 +41,21 @@ impl RayCamera {
         };
         let skipped = (-origin.dot(dir) - BEYOND_SCENE).max(0.0);
         ((origin + dir * skipped).as_vec3(), dir.as_vec3())
+    }
+
+    /// Gives for points in the rays' frame how far away they are along the axis, and where in the picture they lie, as
+    /// [`Self::ray`] takes it; `None` for a camera whose axes lie in one plane.
+    pub(super) fn projector(&self) -> Option<impl Fn(DVec3) -> (f64, [f64; 2])> {
+        let to_axes = DMat3::from_cols(self.forward, self.right, self.up).try_inverse()?;
+        let Self { projection, origin, .. } = *self;
+        Some(move |point: DVec3| {
+            let along = to_axes * (point - origin);
+            let [a, b] = match projection {
+                Projection::Perspective => [along.y / along.x, along.z / along.x],
+                Projection::Orthographic => [along.y, along.z],
+            };
+            (along.x, [0.5 * (1.0 + a), 0.5 * (1.0 - b)])
+        })
     }
 
     /// The cone of a ray that begins at `origin`, in a picture of `height` pixels.

@@ -3,19 +3,9 @@
 use crate::geometry::Attributes;
 use crate::geometry::textures::Reader;
 use crate::prepare::PreparedScene;
-use crate::shading::{Bsdf, LayerParams, MetalRoughParams, PhongParams, RoughLobes};
+use crate::shading::{Bsdf, LayerParams, MetalRoughParams, PhongParams};
 use glam::{Vec2, Vec3};
 use kiln_formats::scene::{ColorInput, Layers, Material, MetalRough, NormalMap, Phong, Surface};
-
-/// How a surface scatters, as far as lanes are concerned.
-pub(super) enum Scattering {
-    /// By lobes that lanes know.
-    Rough(RoughLobes),
-    /// Not at all.
-    Nothing,
-    /// In another way.
-    Other,
-}
 
 /// A point of a triangle with its material.
 #[derive(Clone, Copy)]
@@ -94,24 +84,6 @@ impl Point<'_> {
             Some(map) => Some(self.mapped_normal(map, unmapped).unwrap_or(unmapped)),
             None => Some(unmapped),
         }
-    }
-
-    /// The lobes of a metal-rough surface without layers that lets nothing through, seen at the cosine `cos_o`.
-    pub(super) fn rough(&self, cos_o: f32) -> Scattering {
-        let Surface::MetalRough(m) = &self.material.surface else { return Scattering::Other };
-        let params = self.metal_rough(m, 1.0);
-        if params.specular == 0.0 && params.metallic == 0.0 && params.transmission == 0.0 {
-            let albedo = params.base_color.clamp(Vec3::ZERO, Vec3::ONE);
-            return match albedo == Vec3::ZERO {
-                true => Scattering::Nothing,
-                false => Scattering::Rough(RoughLobes::lambert(albedo)),
-            };
-        }
-        let bsdf = Bsdf::metal_rough(&params, cos_o);
-        if bsdf.is_black() {
-            return Scattering::Nothing;
-        }
-        bsdf.rough().map_or(Scattering::Other, Scattering::Rough)
     }
 
     /// The scattering seen from `wo` in the shading frame. `index_around` is the index of refraction around the body that

@@ -93,12 +93,14 @@ impl Inside {
         if !bounds_body(prepared, place.material) {
             return self;
         }
-        let through = |inside: Self, (material, front)| match front {
-            true => inside.entered(material),
-            false => inside.left(material),
-        };
+        let through = |inside: Self, (material, front)| inside.through(material, front);
         let touching = Touching::at(prepared, place);
-        touching.surfaces().fold(through(self, (place.material, place.front)), through)
+        touching.surfaces().fold(self.through(place.material, place.front), through)
+    }
+
+    /// After the path went through the surface of a body, met from its front or from inside.
+    pub(super) fn through(self, material: MaterialId, front: bool) -> Self {
+        if front { self.entered(material) } else { self.left(material) }
     }
 
     /// Leaves one wavelength of the path's light, by a number in [0, 1), before it goes through a surface that bends each

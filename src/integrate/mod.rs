@@ -9,6 +9,7 @@ mod dropped;
 mod leaving_tests;
 mod material;
 mod medium;
+mod occupied;
 mod path;
 #[cfg(test)]
 mod pruning_tests;
@@ -33,6 +34,7 @@ pub use dropped::{Dropped, DroppedSample};
 use glam::Vec3;
 use kiln_formats::scene::Camera;
 use kiln_formats::{Control, Stopped};
+use occupied::Occupied;
 use rayon::prelude::*;
 pub use record::{Cause, PathEvent};
 pub use replay::{PathTrace, replay};
@@ -154,6 +156,14 @@ pub fn render_until(
     let camera = RayCamera::new(&view.camera, &scene.frame);
     let course = Course::new(scene, settings, view);
     let memories = wave::Memories::default();
+    let clock = ThreadTime::now();
+    let hidden = !view.show_environment || scene.lights.environment.is_none();
+    // Where triangles lie is asked only if that costs less than the rays do.
+    let paths = u64::from(view.width) * u64::from(view.height) * u64::from(spp.saturating_sub(film.spp).max(1));
+    let pays = settings.integrator == Integrator::Path && hidden && scene.triangles <= paths;
+    let occupied = pays.then(|| Occupied::new(scene, view, &camera)).flatten();
+    let mut tally = PassTally { cpu_seconds: clock.elapsed().as_secs_f64(), ..PassTally::default() };
+    let sight = wave::Sight { view, camera: &camera, occupied: occupied.as_ref() };
     let whitted = (settings.integrator == Integrator::Whitted).then(|| whitted::Tracer::new(scene));
     let before = &*film;
     let tiles = Tile::corners(before)
@@ -168,7 +178,7 @@ pub fn render_until(
                 if settings.integrator == Integrator::Plain {
                     render_tile(&course, view, &camera, &mut tile, control)?;
                 } else {
-                    wave::render_tile(&course, view, &camera, &memories, &mut tile, control)?;
+                    wave::render_tile(&course, &sight, &memories, &mut tile, control)?;
                 }
                 // Whitted's paths are not those that a replay follows.
                 tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
@@ -177,7 +187,6 @@ pub fn render_until(
             Ok(tile)
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let mut tally = PassTally::default();
     for tile in tiles {
         tally += tile.store(film);
     }

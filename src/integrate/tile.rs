@@ -94,6 +94,15 @@ impl Tile {
         self.pixels[pixel].samples()..self.aims[pixel]
     }
 
+    /// Counts the samples that a pixel of the tile lacks as camera rays that meet nothing, before nothing.
+    pub fn pass_over(&mut self, pixel: usize) {
+        let wanted = self.wanted(pixel);
+        self.tally.rays.camera += wanted.len() as u64;
+        if let Some(last) = wanted.last() {
+            self.pixels[pixel].drop_sample(last);
+        }
+    }
+
     /// Adds a sample to the tile's pixel number `pixel` (row by row). Those of a pixel come in ascending order; the order
     /// between pixels is free. A sample that is not finite is counted and dropped.
     pub fn add(&mut self, pixel: usize, sample: u32, radiance: Vec3, covered: bool) {

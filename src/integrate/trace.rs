@@ -35,8 +35,8 @@ pub(super) fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec
         return true;
     }
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);
-    let filters = prepared.filters[geometry.material(scene, hit.triangle) as usize];
-    if filters.culled && asker.eye && geometry.front_normal(hit.triangle).dot(dir.as_dvec3()) > 0.0 {
+    let filters = prepared.ways[geometry.part_index(hit.triangle) as usize].filters;
+    if filters.culled && asker.eye && geometry.unit_normal(hit.triangle).dot(dir) > 0.0 {
         return false;
     }
     if filters.coverage {
@@ -72,6 +72,40 @@ pub(super) fn closest(prepared: &PreparedScene, asker: &Asker, origin: Vec3, dir
     prepared.tree.closest(&ray, |hit| stops(prepared, asker, hit, dir))
 }
 
+/// The ray that looks whether a light sample arrives.
+pub(super) struct ShadowRay {
+    pub ray: Ray,
+    /// The triangle that it ends on, which does not block it.
+    pub reaches: Option<u32>,
+}
+
+impl ShadowRay {
+    /// For a light sample seen from a vertex in the direction `shading`; `None` where its end is not.
+    pub fn new(vertex: &Vertex, shading: &Outgoing, light: &LightSample) -> Option<Self> {
+        let origin = shading.origin;
+        let it = match light.target {
+            Target::Infinity => {
+                let ray = Ray { origin, dir: light.direction, t_max: f32::INFINITY };
+                Self { ray, reaches: None }
+            }
+            Target::Point(point) => {
+                // Points of a disc may lie below the horizon though its centre, which shades, does not.
+                let out = vertex.towards(point - vertex.receiver().point)?;
+                if (out.local.z > 0.0) != (shading.local.z > 0.0) {
+                    return None;
+                }
+                let ray = Ray { origin: out.origin, dir: point - out.origin, t_max: 1.0 };
+                Self { ray, reaches: None }
+            }
+            Target::Triangle { triangle, point, error, normal } => {
+                let point = offset_point(point, error, normal, origin - point);
+                Self { ray: Ray { origin, dir: point - origin, t_max: 1.0 }, reaches: Some(triangle) }
+            }
+        };
+        (it.ray.dir != Vec3::ZERO).then_some(it)
+    }
+}
+
 /// The share of a light sample that arrives at a vertex by its direction `shading`: zero, or what bodies on the way let
 /// through. `inside` tells what the shadow ray begins in.
 pub(super) fn visibility(
@@ -82,23 +116,9 @@ pub(super) fn visibility(
     inside: Inside,
     light: &LightSample,
 ) -> Vec3 {
-    let origin = shading.origin;
-    let (ray, end) = match light.target {
-        Target::Infinity => (Ray { origin, dir: light.direction, t_max: f32::INFINITY }, None),
-        Target::Point(point) => {
-            // Points of a disc may lie below the horizon though its centre, which shades, does not.
-            let out = vertex.towards(point - vertex.receiver().point);
-            let Some(out) = out.filter(|o| (o.local.z > 0.0) == (shading.local.z > 0.0)) else { return Vec3::ZERO };
-            (Ray { origin: out.origin, dir: point - out.origin, t_max: 1.0 }, None)
-        }
-        Target::Triangle { triangle, point, error, normal } => {
-            let point = offset_point(point, error, normal, origin - point);
-            (Ray { origin, dir: point - origin, t_max: 1.0 }, Some(triangle))
-        }
-    };
-    if ray.dir == Vec3::ZERO {
+    let Some(ShadowRay { ray, reaches: end }) = ShadowRay::new(vertex, shading, light) else {
         return Vec3::ZERO;
-    }
+    };
     let tints = |hit: &Hit| {
         let material = prepared.geometry.material(&prepared.scene, hit.triangle);
         light.through_glass && prepared.filters[material as usize].tints
@@ -123,7 +143,7 @@ pub(super) fn visibility(
 
 /// Transmittance of what is left of a shadow ray. One to infinity leaves a body that is open, as paths do that meet
 /// nothing more.
-fn rest(prepared: &PreparedScene, inside: Inside, ray: &Ray) -> Vec3 {
+pub(super) fn rest(prepared: &PreparedScene, inside: Inside, ray: &Ray) -> Vec3 {
     if ray.t_max.is_finite() { inside.transmittance(prepared, ray.dir.length() * ray.t_max) } else { Vec3::ONE }
 }
 

@@ -1,13 +1,12 @@
 use super::bend::{reflecting_normal, visible_normal};
 use super::material;
-use crate::geometry::Attributes;
 use crate::geometry::textures::Reader;
 use crate::lighting::Receiver;
 use crate::math::Frame;
 use crate::math::Hit;
 use crate::math::float_error::{gamma, offset_point};
 use crate::prepare::PreparedScene;
-use crate::shading::{Bsdf, RoughLobes};
+use crate::shading::Bsdf;
 use glam::Vec3;
 use kiln_formats::scene::{Layers, MaterialId};
 
@@ -74,22 +73,6 @@ pub(super) struct Vertex {
     frame: Frame,
     wo_local: Vec3,
     pub bsdf: Bsdf,
-}
-
-/// What lanes have to know of a vertex that scatters diffusely or by rough reflection.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RoughVertex {
-    /// Where what is reflected starts.
-    pub point: Vec3,
-    /// How far off the surface rays have to start, along each axis.
-    pub error: Vec3,
-    /// Unit geometric normal on the viewer's side.
-    pub normal: Vec3,
-    /// Unit shading normal.
-    pub shading: Vec3,
-    /// Whether `point` is above the triangle.
-    pub lifted: bool,
-    pub lobes: RoughLobes,
 }
 
 /// A direction of scattering at a vertex.
@@ -160,13 +143,6 @@ impl Vertex {
         self.frame.z
     }
 
-    /// The vertex for lanes, if they know its lobes.
-    pub(super) fn rough(&self) -> Option<RoughVertex> {
-        let Place { error, normal, .. } = self.place;
-        let (point, shading, lifted) = (self.point, self.frame.z, self.lifted);
-        self.bsdf.rough().map(|lobes| RoughVertex { point, error, normal, shading, lifted, lobes })
-    }
-
     /// Direction to the viewer in the shading frame.
     pub(super) fn wo_local(&self) -> Vec3 {
         self.wo_local
@@ -200,30 +176,6 @@ impl Vertex {
     pub(super) fn receiver(&self) -> Receiver {
         Receiver { point: self.point, normal: self.frame.z, both_sides: self.bsdf.transmits_smoothly() }
     }
-}
-
-/// How the surface at a hit scatters that has no normal map, no layers, and lets nothing through, seen at the cosine `cos_o` to
-/// its shading normal by a ray whose cone is `width` wide.
-pub(super) fn scattering(prepared: &PreparedScene, hit: &Hit, cos_o: f32, width: f32) -> material::Scattering {
-    let (scene, geometry) = (&prepared.scene, &prepared.geometry);
-    let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
-    let material = &scene.materials[geometry.material(scene, hit.triangle) as usize];
-    let textured = prepared.asks.textured;
-    let attributes = Attributes {
-        uv: if textured { geometry.uv(scene, hit.triangle, b) } else { [[0.0; 2]; 2] },
-        color: geometry.color(scene, hit.triangle, b),
-        normal: None,
-        tangent: None,
-    };
-    let textures = Reader {
-        scene,
-        pyramids: &prepared.pyramids,
-        uv: attributes.uv,
-        footprint: footprint(prepared, hit.triangle, width),
-    };
-    let front = true;
-    material::Point { prepared, triangle: hit.triangle, material, attributes: &attributes, b, front, textures }
-        .rough(cos_o)
 }
 
 /// The area that a ray's cone covers, in each set of texture coordinates.

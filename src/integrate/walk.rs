@@ -87,6 +87,24 @@ impl<'a> Course<'a> {
     /// Adds the light that a path gathers at the end of its ray, which has hit something or nothing, and sends it on from
     /// there; false: it ends. `depth` counts scattering events. The radiance is not finite where the path's weight was not.
     pub fn visit(&self, depth: u32, walk: &mut Walk, hit: Option<Hit>, with: &mut Company<impl Recorder>) -> bool {
+        let Some(vertex) = self.arrive(depth, walk, hit, with) else { return false };
+        if vertex.bsdf.has_smooth() && self.prepared.lights.any(self.reach) {
+            let light = direct(self, depth, &vertex, walk.inside, with);
+            let contribution = walk.throughput * light;
+            *with.radiance += contribution;
+            with.recorder.note(|| PathEvent::DirectLight { radiance: light, contribution });
+        }
+        self.scatter(depth, walk, &vertex, with)
+    }
+
+    /// Adds the light that a path finds at the end of its ray, and gives the vertex that it scatters at, if it does.
+    pub fn arrive(
+        &self,
+        depth: u32,
+        walk: &mut Walk,
+        hit: Option<Hit>,
+        with: &mut Company<impl Recorder>,
+    ) -> Option<Vertex> {
         let Self { prepared, settings, reach, .. } = *self;
         let Some((hit, place)) = hit.and_then(|hit| Some((hit, Place::new(prepared, &hit, walk.dir)?))) else {
             if depth > 0 || self.show_environment {
@@ -96,7 +114,7 @@ impl<'a> Course<'a> {
                 with.recorder.note(|| PathEvent::Environment { light, contribution });
             }
             with.recorder.note(|| PathEvent::End { why: "left the scene" });
-            return false;
+            return None;
         };
         with.recorder.note(|| hit_event(prepared, &hit, &place));
         walk.cone = walk.cone.at(hit.t);
@@ -116,7 +134,7 @@ impl<'a> Course<'a> {
         }
         if depth == settings.max_depth {
             with.recorder.note(|| PathEvent::End { why: "as deep as paths may go" });
-            return false;
+            return None;
         }
         let sampler = &mut *with.sampler;
         if let Some(one) = walk.inside.disperse(prepared, &place, || sampler.get_1d(0, Purpose::Wavelength)) {
@@ -131,20 +149,14 @@ impl<'a> Course<'a> {
             .note(|| PathEvent::Surface { shading_normal: vertex.shading_normal(), lobes: vertex.bsdf.describe() });
         if vertex.bsdf.is_black() {
             with.recorder.note(|| PathEvent::End { why: "the surface scatters nothing" });
-            return false;
+            return None;
         }
-        self.scatter(depth, walk, &vertex, with)
+        Some(vertex)
     }
 
-    /// Takes light samples at a vertex whose BSDF is not black, and sends the path on from there; false: it ends.
+    /// Sends a path on from a vertex whose BSDF is not black; false: it ends.
     pub fn scatter(&self, depth: u32, walk: &mut Walk, vertex: &Vertex, with: &mut Company<impl Recorder>) -> bool {
-        let Self { prepared, settings, reach, .. } = *self;
-        if vertex.bsdf.has_smooth() && prepared.lights.any(reach) {
-            let light = direct(self, depth, vertex, walk.inside, with);
-            let contribution = walk.throughput * light;
-            *with.radiance += contribution;
-            with.recorder.note(|| PathEvent::DirectLight { radiance: light, contribution });
-        }
+        let Self { prepared, settings, .. } = *self;
         let Some((wi, outgoing, sample)) = direction(settings.strategy, with.sampler, depth, vertex) else {
             with.recorder.note(|| PathEvent::End { why: "absorbed" });
             return false;

@@ -2,7 +2,7 @@
 
 use super::{area, spherical};
 use crate::geometry::{Geometry, emission};
-use crate::lanes::{Floats, LANES, Lanes, Mask, V3};
+use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
 use crate::math::float_error::gamma;
 use glam::Vec3;
 use kiln_formats::Scene;
@@ -20,6 +20,15 @@ pub(super) struct AreaTable {
     triangle: Vec<u32>,
     /// [`area::near2`] of each.
     near2: Vec<f32>,
+    /// Whether any emits differently at different points: radiance is then looked up point by point.
+    varied: bool,
+}
+
+/// What [`AreaTable::sample`] reads beside the table.
+#[derive(Clone, Copy)]
+pub(super) struct Emission<'a> {
+    pub scene: &'a Scene,
+    pub geometry: &'a Geometry,
 }
 
 /// Points on triangles, seen from receivers.
@@ -35,9 +44,9 @@ pub(super) struct AreaSamples<L: Lanes> {
 }
 
 impl AreaTable {
-    /// Of emissive triangles, in their order. They must emit the same everywhere.
-    pub fn new(scene: &Scene, geometry: &Geometry, triangles: &[u32]) -> Self {
-        let mut table = Self { triangle: triangles.to_vec(), ..Self::default() };
+    /// Of emissive triangles, in their order. `varied` tells whether any emits differently at different points.
+    pub fn new(scene: &Scene, geometry: &Geometry, triangles: &[u32], varied: bool) -> Self {
+        let mut table = Self { triangle: triangles.to_vec(), varied, ..Self::default() };
         for triangle in triangles {
             let (corners, normal) = (geometry.corners(*triangle), area::normal(geometry, *triangle));
             let middle = [1.0 / 3.0; 3];
@@ -70,7 +79,15 @@ impl AreaTable {
 
     /// As [`area::sample`]. The radiance is zero where nothing is emitted.
     #[inline(always)]
-    pub fn sample<L: Lanes>(&self, l: L, emitter: L::U, point: V3<L::F>, u: [L::F; 2], active: L::M) -> AreaSamples<L> {
+    pub fn sample<L: Lanes>(
+        &self,
+        l: L,
+        emission: Emission,
+        emitter: L::U,
+        point: V3<L::F>,
+        u: [L::F; 2],
+        active: L::M,
+    ) -> AreaSamples<L> {
         let [a, b, c] = self.corners_of(l, emitter);
         let near = self.near(l, emitter, [a, b, c], point) & active;
         let upper = u[1].gt(u[0]);
@@ -98,11 +115,17 @@ impl AreaTable {
         let cosine = -direction.dot(normal);
         let front = cosine.gt(l.splat(0.0));
         let back = cosine.lt(l.splat(0.0)) & l.gather(&self.two_sided, emitter).gt(l.splat(0.0));
-        let radiance = l.gather_vector(&self.radiance, emitter).only((front | back) & direction.is_finite());
+        let triangle = l.gather_words(&self.triangle, emitter);
+        let radiance = if self.varied {
+            let usable = active & !cosine.eq(l.splat(0.0)) & direction.is_finite();
+            let weights = [weights[0].array(), weights[1].array(), weights[2].array()];
+            l.load_vector(&emission.radiance(usable.bits(), front.bits(), &triangle.array(), &weights))
+        } else {
+            l.gather_vector(&self.radiance, emitter).only((front | back) & direction.is_finite())
+        };
         let area_pdf = distance2 / (cosine.abs() * l.gather(&self.area, emitter));
         let pdf = L::F::select(spherical.gt(l.splat(0.0)), spherical, area_pdf);
         let error = (a.abs() + b.abs() + c.abs()) * l.splat(gamma(7));
-        let triangle = l.gather_words(&self.triangle, emitter);
         AreaSamples { direction, radiance, pdf, point: on_light, error, normal, triangle }
     }
 
@@ -116,6 +139,28 @@ impl AreaTable {
     fn near<L: Lanes>(&self, l: L, emitter: L::U, [a, b, c]: [V3<L::F>; 3], point: V3<L::F>) -> L::M {
         let middle = (a + b + c) * l.splat(1.0 / 3.0);
         (middle - point).length_squared().lt(l.gather(&self.near2, emitter))
+    }
+}
+
+impl Emission<'_> {
+    /// Radiance at points with these weights, one after the other: towards the front or the back of their triangles.
+    #[inline(never)]
+    fn radiance(
+        &self,
+        lanes: u32,
+        front: u32,
+        triangle: &[u32; LANES],
+        weights: &[[f32; LANES]; 3],
+    ) -> [[f32; LANES]; 3] {
+        let mut found = [[0.0; LANES]; 3];
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+            let (b, front) = (weights.map(|w| w[lane]), front >> lane & 1 == 1);
+            let radiance = emission::radiance(self.scene, self.geometry, triangle[lane], b, front);
+            for (row, value) in found.iter_mut().zip(radiance.to_array()) {
+                row[lane] = value;
+            }
+        }
+        found
     }
 }
 

@@ -11,6 +11,8 @@ pub struct ReceiverLanes<L: Lanes> {
     pub point: V3<L::F>,
     /// Unit shading normals on the viewer's side.
     pub normal: V3<L::F>,
+    /// −1 where light counts from both sides of the surface, else 1.
+    pub side: L::F,
 }
 
 /// Room for running sums.
@@ -176,6 +178,7 @@ fn importance<L: Lanes>(l: L, slot: &Slot<L::F>, receiver: &ReceiverLanes<L>) ->
     let estimate = (l.word(0x5f37_59df) - distance2.to_bits().shr::<1>()).from_bits();
     let inverse = estimate * (l.splat(1.5) - distance2 * 0.5 * estimate * estimate);
     let here = receiver.normal.dot(to);
+    let here = here.max(here * receiver.side);
     let there = -slot.axis.dot(to);
     let there = there.max(there * slot.fold);
     let here = (here + slot.radius).max(zero) * inverse;

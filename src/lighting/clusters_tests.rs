@@ -121,11 +121,12 @@ impl Work for Choices<'_> {
         let Self(clusters) = self;
         let (mut out, mut room) = (Vec::new(), LightRoom::default());
         for group in 0..12 {
-            let places: [Receiver; LANES] = std::array::from_fn(|i| receiver(2 * (group * 16 + i as u32)));
+            let places: [Receiver; LANES] = std::array::from_fn(|i| receiver(group * 16 + i as u32));
             let lanes = |f: &dyn Fn(&Receiver) -> f32| l.load(&std::array::from_fn(|i| f(&places[i])));
             let vector =
                 |f: &dyn Fn(&Receiver) -> Vec3| V3::new(lanes(&|r| f(r).x), lanes(&|r| f(r).y), lanes(&|r| f(r).z));
-            let receiver = ReceiverLanes::<L> { point: vector(&|r| r.point), normal: vector(&|r| r.normal) };
+            let side = lanes(&|r| if r.both_sides { -1.0 } else { 1.0 });
+            let receiver = ReceiverLanes::<L> { point: vector(&|r| r.point), normal: vector(&|r| r.normal), side };
             let u = l.load(&std::array::from_fn(|i| unit_float(hash_combine(group, 7 * i as u32))));
             let chosen = clusters.sample_lanes(l, &receiver, l.first(16), u, &mut room);
             let (emitter, probability, again) =
@@ -147,7 +148,7 @@ fn lanes_choose_as_one_by_one() {
         let mut none = 0;
         for (group, lanes) in plain.iter().enumerate() {
             for (i, (emitter, probability, again)) in lanes.iter().enumerate() {
-                let receiver = receiver(2 * (group as u32 * 16 + i as u32));
+                let receiver = receiver(group as u32 * 16 + i as u32);
                 let u = unit_float(hash_combine(group as u32, 7 * i as u32));
                 let one = clusters.sample(&receiver, u);
                 match one {

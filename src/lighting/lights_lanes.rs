@@ -1,6 +1,6 @@
 //! [`Lights`] for sixteen receivers at a time: what the wavefront uses.
 
-use super::area_lanes::AreaTable;
+use super::area_lanes::{AreaTable, Emission};
 use super::clusters_lanes::{LightRoom, ReceiverLanes};
 use super::environment::Environment;
 use super::lights::Lights;
@@ -49,7 +49,7 @@ pub(super) struct LanesTables {
 }
 
 impl LanesTables {
-    /// `None` where lights have to be sampled one by one: emission that varies over a triangle, or too many of them.
+    /// `None` where lights have to be sampled one by one: light through bodies, or too many lights.
     pub fn new(scene: &Scene, geometry: &Geometry, lights: &Lights) -> Option<Self> {
         let triangles = &lights.triangles;
         let even = |triangle: &u32| {
@@ -58,11 +58,11 @@ impl LanesTables {
             !unlit && material.emission.texture.is_none() && material.alpha.mode == AlphaMode::Opaque
         };
         let many = triangles.len() > MOST_TRIANGLES || lights.global > MOST_GLOBAL;
-        if many || lights.punctual.iter().any(|l| l.through_glass) || !triangles.iter().all(even) {
+        if many || lights.punctual.iter().any(|l| l.through_glass) {
             return None;
         }
         let parts = [LightReach::Punctual, LightReach::Mis, LightReach::All].map(|reach| lights.parts(reach));
-        Some(Self { area: AreaTable::new(scene, geometry, triangles), parts })
+        Some(Self { area: AreaTable::new(scene, geometry, triangles, !triangles.iter().all(even)), parts })
     }
 
     #[inline(always)]
@@ -83,6 +83,7 @@ impl Lights {
     pub fn sample_lanes<L: Lanes>(
         &self,
         l: L,
+        (scene, geometry): (&Scene, &Geometry),
         receiver: &ReceiverLanes<L>,
         active: L::M,
         reach: LightReach,
@@ -124,7 +125,14 @@ impl Lights {
                 Group::Triangles => {
                     let chosen = self.clusters.sample_lanes(l, receiver, here, again, room);
                     let first = if self.few { chosen.again } else { u[0] };
-                    let s = tables.area.sample(l, chosen.emitter, receiver.point, [first, u[1]], here);
+                    let s = tables.area.sample(
+                        l,
+                        Emission { scene, geometry },
+                        chosen.emitter,
+                        receiver.point,
+                        [first, u[1]],
+                        here,
+                    );
                     let pdf = s.pdf * (chosen.probability * share);
                     let usable =
                         here & chosen.probability.gt(zero) & s.radiance.is_not_zero() & pdf.gt(zero) & pdf.is_finite();
@@ -181,6 +189,7 @@ impl Lights {
             group,
             share,
             here.bits(),
+            receiver.side.lt(l.splat(0.0)).bits(),
             [&receiver.point.arrays(), &receiver.normal.arrays()],
             [again.array(), u[0].array(), u[1].array()],
         );
@@ -196,13 +205,14 @@ impl Lights {
         group: Group,
         share: f32,
         lanes: u32,
+        both_sides: u32,
         receivers: [&[[f32; LANES]; 3]; 2],
         [again, u, v]: [[f32; LANES]; 3],
     ) -> Punctuals {
         let mut found = Punctuals::default();
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
             let [point, normal] = receivers.map(|v| glam::Vec3::new(v[0][lane], v[1][lane], v[2][lane]));
-            let place = super::Receiver { point, normal, both_sides: false };
+            let place = super::Receiver { point, normal, both_sides: both_sides >> lane & 1 == 1 };
             let Some(sample) = self.sample_punctual(group, share, &place, again[lane], [u[lane], v[lane]]) else {
                 continue;
             };

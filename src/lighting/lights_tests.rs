@@ -6,7 +6,8 @@ use crate::math::simd::SimdTier;
 use crate::sampling::{hash_combine, unit_float};
 use glam::DAffine3;
 use kiln_formats::scene::{
-    ColorInput, Extent, Falloff, Image, Instance, Light, LightKind, Material, Mesh, Pixels, UpAxis,
+    ColorInput, ColorSpace, Extent, Falloff, Filter, Image, Instance, Light, LightKind, Material, Mesh, Pixels,
+    Texture, TextureRef, UpAxis, Wrap,
 };
 
 fn number(i: u32, k: u32) -> f32 {
@@ -80,9 +81,29 @@ fn lit(scene: Scene, environment: &EnvironmentSource, up: UpAxis) -> Lit {
     Lit { scene, geometry, lights }
 }
 
+/// Has the surfaces with a back emit by a texture, and the others be seen through in part.
+fn varied(mut scene: Scene) -> Scene {
+    let pixels = (0..4 * 8 * 8).map(|k| (number(k, 5) * 255.0) as u8).collect();
+    scene.images.push(Image { name: String::new(), width: 8, height: 8, pixels: Pixels::Rgba8(pixels) });
+    scene.textures.push(Texture {
+        image: 0,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Mirror,
+        filter: Filter::Linear,
+        color_space: ColorSpace::Srgb,
+    });
+    scene.materials[1].emission.texture = Some(TextureRef::new(0));
+    scene.materials[0].alpha.mode = AlphaMode::Blend;
+    scene.materials[0].alpha.value.factor = 0.7;
+    for mesh in &mut scene.meshes {
+        mesh.uvs[0] = (0..mesh.positions.len() as u32).map(|k| [number(k, 6) * 3.0, number(k, 7) * 3.0]).collect();
+    }
+    scene
+}
+
 fn receiver(i: u32) -> Receiver {
     let v = |k: u32| Vec3::new(number(i, k), number(i, k + 1), number(i, k + 2)) * 2.0 - 1.0;
-    Receiver { point: v(70) * 0.5, normal: v(80).normalize(), both_sides: false }
+    Receiver { point: v(70) * 0.5, normal: v(80).normalize(), both_sides: i.is_multiple_of(3) }
 }
 
 const REACHES: [LightReach; 3] = [LightReach::Punctual, LightReach::Mis, LightReach::All];
@@ -105,10 +126,11 @@ impl Work for Samples<'_> {
             let lanes = |f: &dyn Fn(&Receiver) -> f32| l.load(&std::array::from_fn(|i| f(&places[i])));
             let vector =
                 |f: &dyn Fn(&Receiver) -> Vec3| V3::new(lanes(&|r| f(r).x), lanes(&|r| f(r).y), lanes(&|r| f(r).z));
-            let receiver = ReceiverLanes::<L> { point: vector(&|r| r.point), normal: vector(&|r| r.normal) };
+            let side = lanes(&|r| if r.both_sides { -1.0 } else { 1.0 });
+            let receiver = ReceiverLanes::<L> { point: vector(&|r| r.point), normal: vector(&|r| r.normal), side };
             let random = |k: u32| l.load(&std::array::from_fn(|i| number(group * 16 + i as u32, 90 + k)));
-            let s =
-                lit.lights.sample_lanes(l, &receiver, l.first(16), reach, random(0), [random(1), random(2)], &mut room);
+            let (of, u) = ((&lit.scene, &lit.geometry), [random(1), random(2)]);
+            let s = lit.lights.sample_lanes(l, of, &receiver, l.first(16), reach, random(0), u, &mut room);
             let (_, escaped) = lit.lights.environment_lanes(l, s.direction, reach);
             let again = L::F::select(s.infinite & s.pdf.gt(l.splat(0.0)), escaped, s.pdf);
             let (valid, pdf, again) = (s.valid.bits(), s.pdf.array(), again.array());
@@ -147,7 +169,8 @@ fn lanes_sample_as_one_by_one() {
         (200, 7, &picture(), UpAxis::Y),
         (3, 1, &EnvironmentSource::Constant([0.5, 0.6, 0.7]), UpAxis::Y),
     ] {
-        let lit = lit(scene(count, punctual), environment, up);
+        let scene = scene(count, punctual);
+        let lit = lit(if count % 100 == 0 { varied(scene) } else { scene }, environment, up);
         assert!(lit.lights.lanes_can());
         for reach in REACHES {
             let plain = AnyLanes::new(SimdTier::Scalar).run(Samples(&lit, reach));
@@ -203,13 +226,11 @@ impl Work for Escaped<'_> {
 /// Also where lights are sampled one by one, because some of them are not what lanes know.
 #[test]
 fn what_escapes_in_lanes_meets_the_environment_of_one_by_one() {
-    for blended in [false, true] {
+    for through in [false, true] {
         let mut scene = scene(5, 2);
-        if blended {
-            scene.materials[0].alpha.mode = AlphaMode::Blend;
-        }
+        scene.lights[0].through_glass = through;
         let lit = lit(scene, &picture(), UpAxis::Y);
-        assert_eq!(lit.lights.lanes_can(), !blended);
+        assert_eq!(lit.lights.lanes_can(), !through);
         let environment = lit.lights.environment.as_ref().unwrap();
         for reach in REACHES {
             let all = AnyLanes::new(SimdTier::detect()).run(Escaped(&lit, reach));

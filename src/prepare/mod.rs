@@ -35,7 +35,7 @@ pub struct PrepareTimes {
 }
 
 /// What a traversal has to ask about a material's triangles.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Filters {
     /// Coverage may be below 1.
     pub coverage: bool,
@@ -160,7 +160,7 @@ pub(crate) fn prepare_knowing(
         kdtree_caller_cpu: clock.elapsed().as_secs_f64(),
     };
     let asks = Asks::new(&scene, &geometry, know);
-    let filters = scene.materials.iter().map(|material| asks.of(material)).collect();
+    let filters: Vec<_> = scene.materials.iter().map(|material| asks.of(material)).collect();
     Ok(PreparedScene {
         bounds,
         triangles: geometry.len() as u64,
@@ -169,7 +169,7 @@ pub(crate) fn prepare_knowing(
         rewrites,
         times,
         asks,
-        ways: parts::ways(&scene, &geometry, know),
+        ways: parts::ways(&scene, &geometry, know, &filters),
         lanes: AnyLanes::new(tier(settings.simd)),
         scene,
         frame,

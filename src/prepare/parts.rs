@@ -1,22 +1,22 @@
 //! How much work a hit on a part of the scene is, decided once.
 
+use super::Filters;
 use crate::effects::{Knowledge, of_mesh};
 use crate::geometry::Geometry;
 use crate::settings::{Effect, EffectSet};
 use glam::Vec3;
 use kiln_formats::Scene;
-use kiln_formats::scene::{Material, Mesh, MetalRough, Surface};
+use kiln_formats::scene::{Material, Mesh, MetalRough, ScalarInput, Surface};
 
 /// Which way of shading a part's triangles can take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Way {
     /// Flat triangles of one diffuse colour: all in lanes.
     Diffuse(Vec3),
-    /// The geometry in lanes; textures and lobes, which nearly always are diffuse, or rough and reflecting, one by one; the rest
-    /// in lanes.
-    Smooth,
-    /// The same, with a normal map: the whole vertex one by one.
-    Mapped,
+    /// Normals, textures and lobes that are looked up in lanes, too.
+    Rough,
+    /// Smooth glass that bounds a solid and is the same everywhere: the bodies that a path is in one by one, all else in lanes.
+    Glass,
     /// Everything one by one.
     Any,
 }
@@ -26,23 +26,44 @@ pub(crate) enum Way {
 pub(crate) struct PartWay {
     /// The way of shading.
     pub way: Way,
+    /// What a traversal has to ask about its triangles.
+    pub filters: Filters,
     /// Whether its surface may emit.
     pub emits: bool,
+    /// Whether its normals are interpolated between corners.
+    pub smooth: bool,
+    /// Whether its look needs coordinates or colours of a point.
+    pub textured: bool,
+    /// Whether it has a normal map.
+    pub mapped: bool,
     /// Whether it bounds a body that another body may touch.
     pub touches: bool,
 }
 
 /// The ways of all parts.
-pub(crate) fn ways(scene: &Scene, geometry: &Geometry, know: Knowledge) -> Vec<PartWay> {
+pub(crate) fn ways(scene: &Scene, geometry: &Geometry, know: Knowledge, filters: &[Filters]) -> Vec<PartWay> {
+    let disperses = scene.materials.iter().any(disperses);
     let mesh_way = |mesh: &Mesh| {
         let called = of_mesh(scene, mesh);
-        let emits = know.asked(called).has_any(&[Effect::Emission, Effect::Unlit]);
-        PartWay { way: way(&scene.materials[mesh.material as usize], called, know), emits, touches: false }
+        let (asked, material) = (know.asked(called), &scene.materials[mesh.material as usize]);
+        let way = if !disperses && smooth_glass(material, called) { Way::Glass } else { way(material, called, know) };
+        PartWay {
+            way,
+            filters: filters[mesh.material as usize],
+            emits: asked.has_any(&[Effect::Emission, Effect::Unlit]),
+            smooth: asked.has(Effect::SmoothNormals),
+            textured: asked.has_any(&[Effect::Textures, Effect::NormalMaps, Effect::VertexColors]),
+            mapped: asked.has(Effect::NormalMaps),
+            touches: false,
+        }
     };
     let of_meshes: Vec<_> = scene.meshes.iter().map(mesh_way).collect();
     let mut ways: Vec<_> = geometry.parts.iter().map(|part| of_meshes[part.mesh as usize]).collect();
     for part in touching_parts(scene, geometry) {
         ways[part].touches = true;
+        if ways[part].way == Way::Glass {
+            ways[part].way = Way::Any;
+        }
     }
     ways
 }
@@ -86,25 +107,50 @@ fn touching_parts(scene: &Scene, geometry: &Geometry) -> Vec<usize> {
     bodies.iter().copied().filter(|p| bodies.iter().any(|q| p != q && near(*p, *q))).collect()
 }
 
-/// The effects that lanes can do; a surface that calls for any other is done one by one.
-const IN_LANES: [Effect; 10] = Knowledge::ASKED;
 /// What a flat surface of one diffuse colour has not.
-const NOT_FLAT: [Effect; 5] =
-    [Effect::NormalMaps, Effect::VertexColors, Effect::SmoothNormals, Effect::Specular, Effect::Metal];
+const NOT_FLAT: [Effect; 6] = [
+    Effect::NormalMaps,
+    Effect::VertexColors,
+    Effect::SmoothNormals,
+    Effect::Specular,
+    Effect::Metal,
+    Effect::Transmission,
+];
+
+/// The effects that lanes can do; a surface that calls for any other is done one by one.
+fn in_lanes() -> EffectSet {
+    Knowledge::ASKED.into_iter().chain([Effect::Transmission]).collect()
+}
 
 fn way(material: &Material, called: EffectSet, know: Knowledge) -> Way {
     let Surface::MetalRough(m) = &material.surface else { return Way::Any };
     let own = know.own(called);
-    if m.volume.is_some() || !own.but(IN_LANES.into_iter().collect()).is_empty() {
+    if m.volume.is_some() || !own.but(in_lanes()).is_empty() {
         return Way::Any;
     }
     match diffuse(m) {
         Some(albedo) if !know.asked(called).has_any(&NOT_FLAT) && !know.forced.has(Effect::Textures) => {
             Way::Diffuse(albedo)
         }
-        _ if own.has(Effect::NormalMaps) => Way::Mapped,
-        _ => Way::Smooth,
+        _ => Way::Rough,
     }
+}
+
+/// Whether a material spreads light by wavelength.
+fn disperses(material: &Material) -> bool {
+    matches!(&material.surface, Surface::MetalRough(m) if m.volume.is_some() && m.dispersion > 0.0)
+}
+
+/// Roughnesses below this are smooth for the renderer, and some above.
+const SMOOTH: f32 = 0.03;
+
+/// Whether a material is glass that bounds a solid, smooth, and reads no texture.
+fn smooth_glass(material: &Material, called: EffectSet) -> bool {
+    let Surface::MetalRough(m) = &material.surface else { return false };
+    let constant = |s: &ScalarInput| s.bias + s.factor;
+    let clear = m.volume.is_some() && m.layers.is_none() && m.ior > 0.0;
+    let pure = constant(&m.transmission) == 1.0 && constant(&m.metallic) == 0.0 && constant(&m.roughness) < SMOOTH;
+    clear && pure && !called.has_any(&[Effect::Textures, Effect::NormalMaps, Effect::VertexColors])
 }
 
 /// The albedo of a material without reflection where it is the same everywhere.

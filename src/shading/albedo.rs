@@ -4,6 +4,7 @@ use super::colour::unit;
 use super::fresnel::{Schlick, schlick_weight};
 use super::metal_rough::SMALLEST_ALPHA;
 use super::microfacet as mf;
+use crate::lanes::{Floats, Lanes, Words};
 use glam::Vec3;
 use std::sync::OnceLock;
 
@@ -20,13 +21,67 @@ struct Entry {
 }
 
 struct Table {
-    /// By α (outer) and cos θo (inner).
-    entries: Vec<Entry>,
+    /// By α (outer) and cos θo (inner), `a` and `b` of each.
+    entries: Vec<f32>,
     /// ∫ (a + b) cos θ dω / π, by α.
     mean: Vec<f32>,
 }
 
 static TABLE: OnceLock<Table> = OnceLock::new();
+
+/// [`GgxAlbedo`] in lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GgxAlbedoLanes<F> {
+    /// Coefficient of F0.
+    pub a: F,
+    /// Coefficient of F90.
+    pub b: F,
+    /// As in [`GgxAlbedo`].
+    pub mean: F,
+}
+
+impl<F: Floats> GgxAlbedoLanes<F> {
+    /// As [`GgxAlbedo::at`].
+    #[inline(always)]
+    pub fn at<L: Lanes<F = F, U = F::Words>>(l: L, cos_o: F, alpha: F) -> Self {
+        let table = TABLE.get_or_init(Table::new);
+        let (i, s) = cell_lanes(to_axis_lanes(cos_o));
+        let first = to_axis(SMALLEST_ALPHA);
+        let along = (to_axis_lanes(alpha.max(alpha.fill(SMALLEST_ALPHA))) - first) / (1.0 - first);
+        let (j, t) = cell_lanes(along);
+        let node = j * NODES as u32 + i;
+        let (a, b) = (node.shl::<1>(), node.shl::<1>() + 1);
+        let mean = mix(l.gather(&table.mean, j), l.gather(&table.mean, j + 1), t);
+        Self { a: between(l, &table.entries, a, s, t), b: between(l, &table.entries, b, s, t), mean }
+    }
+}
+
+/// Between four nodes of the table.
+#[inline(always)]
+fn between<L: Lanes>(l: L, entries: &[f32], at: L::U, s: L::F, t: L::F) -> L::F {
+    let row = 2 * NODES as u32;
+    let lower = mix(l.gather(entries, at), l.gather(entries, at + 2), s);
+    mix(lower, mix(l.gather(entries, at + row), l.gather(entries, at + (row + 2)), s), t)
+}
+
+#[inline(always)]
+fn mix<F: Floats>(x: F, y: F, t: F) -> F {
+    x + (y - x) * t
+}
+
+#[inline(always)]
+fn to_axis_lanes<F: Floats>(x: F) -> F {
+    x.max(x.fill(0.0)).min(x.fill(1.0)).sqrt().sqrt()
+}
+
+/// As [`cell`].
+#[inline(always)]
+fn cell_lanes<F: Floats>(x: F) -> (F::Words, F) {
+    let position = x * (NODES - 1) as f32;
+    let cell = position.truncate();
+    let cell = cell.min(cell.fill(NODES as u32 - 2));
+    (cell, position - cell.to_floats())
+}
 
 /// What a rough surface reflects to a viewer in one direction of the light that comes from all: a property of (cos θo,
 /// α) that only has to be multiplied by a Fresnel term. At most 0.005 too low and 0.01 too high; the table is made at
@@ -108,11 +163,12 @@ fn node(i: usize, j: usize) -> (f32, f32) {
 
 impl Table {
     fn new() -> Self {
-        let mut table = Self { entries: Vec::with_capacity(NODES * NODES), mean: Vec::with_capacity(NODES) };
+        let mut table = Self { entries: Vec::with_capacity(2 * NODES * NODES), mean: Vec::with_capacity(NODES) };
         for j in 0..NODES {
             for i in 0..NODES {
                 let (cos_o, alpha) = node(i, j);
-                table.entries.push(integrate(cos_o, alpha, POINTS));
+                let Entry { a, b } = integrate(cos_o, alpha, POINTS);
+                table.entries.extend([a, b]);
             }
         }
         // The midpoint rule over cos² θ, which has the cosine in it.
@@ -129,7 +185,10 @@ impl Table {
     fn entry(&self, cos_o: f32, alpha: f32) -> Entry {
         let ((i, s), (j, t)) = (cell(to_axis(cos_o)), alpha_cell(alpha));
         let mix = |x: Entry, y: Entry, t: f32| Entry { a: x.a + (y.a - x.a) * t, b: x.b + (y.b - x.b) * t };
-        let at = |i: usize, j: usize| self.entries[j * NODES + i];
+        let at = |i: usize, j: usize| {
+            let node = 2 * (j * NODES + i);
+            Entry { a: self.entries[node], b: self.entries[node + 1] }
+        };
         mix(mix(at(i, j), at(i + 1, j), s), mix(at(i, j + 1), at(i + 1, j + 1), s), t)
     }
 

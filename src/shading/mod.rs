@@ -12,11 +12,13 @@ mod dielectric;
 mod fresnel;
 mod ggx_reflection;
 mod glass_albedo;
+mod glass_lanes;
 mod lambert;
 mod lanes;
 mod layered;
 mod lobe;
 mod metal_rough;
+mod metal_rough_lanes;
 mod microfacet;
 mod mirror;
 mod phong;
@@ -39,9 +41,11 @@ mod model_tests;
 #[cfg(test)]
 mod test_support;
 
-pub use lanes::{RoughLanes, RoughLobes};
+pub use glass_lanes::{Glass, GlassLanes, GlassSample};
+pub use lanes::{RoughLanes, RoughSample};
 pub use layered::LayerParams;
 pub use metal_rough::MetalRoughParams;
+pub use metal_rough_lanes::MetalRoughLanes;
 pub use phong::PhongParams;
 
 use crate::math::warp;
@@ -126,27 +130,6 @@ impl Bsdf {
     /// Names of the lobes with the probability of sampling each.
     pub fn describe(&self) -> Vec<(&'static str, f32)> {
         self.lobes().map(|(lobe, probability)| (lobe.name(), probability)).collect()
-    }
-
-    /// Its lobes, when they are no others than Lambert's and a rough reflection, one of each at most.
-    pub fn rough(&self) -> Option<RoughLobes> {
-        let mut rough = RoughLobes::default();
-        let mut reflections = 0;
-        for (place, (lobe, probability)) in self.lobes().enumerate() {
-            match lobe {
-                Lobe::Lambert { albedo } if place == 0 => {
-                    rough.albedo = albedo.to_array();
-                    rough.diffuse_share = probability;
-                }
-                Lobe::GgxReflection { alpha, fresnel } if reflections == 0 => {
-                    reflections += 1;
-                    rough.alpha = *alpha;
-                    (rough.f0, rough.f90) = (fresnel.f0.to_array(), fresnel.f90.to_array());
-                }
-                _ => return None,
-            }
-        }
-        Some(rough)
     }
 
     /// Whether nothing scatters.

@@ -5,24 +5,48 @@ use super::{SHADOWS, Wave, shadow};
 use crate::integrate::direct::power_heuristic_lanes;
 use crate::integrate::wave::lanes::offset_point;
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
-use crate::lighting::{LightSampleLanes, Receiver, ReceiverLanes, Target};
+use crate::lighting::{LightSample, LightSampleLanes, Receiver, ReceiverLanes, Target};
 use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSamplers, Purpose};
 use crate::settings::Strategy;
 use crate::shading::RoughLanes;
 use glam::Vec3;
 
-/// Light samples chosen one by one: direction, weight, target, its error and its normal, density.
+/// Light samples lane by lane: direction, weight, target, its error and its normal, density.
 #[repr(align(64))]
-struct Chosen {
+pub(super) struct Chosen {
     vectors: [[[f32; LANES]; 3]; 5],
     pdf: [f32; LANES],
     triangle: [u32; LANES],
-    valid: u32,
+    pub valid: u32,
     infinite: u32,
 }
 
 impl Chosen {
+    #[inline(always)]
+    pub fn of<L: Lanes>(s: &LightSampleLanes<L>) -> Self {
+        Self {
+            vectors: [s.direction.arrays(), s.weight.arrays(), s.target.arrays(), s.error.arrays(), s.normal.arrays()],
+            pdf: s.pdf.array(),
+            triangle: s.triangle.array(),
+            valid: s.valid.bits(),
+            infinite: s.infinite.bits(),
+        }
+    }
+
+    /// The sample of a lane.
+    pub fn get(&self, lane: usize) -> LightSample {
+        let [direction, weight, target, error, normal] =
+            self.vectors.each_ref().map(|v| Vec3::new(v[0][lane], v[1][lane], v[2][lane]));
+        let target = match self.triangle[lane] {
+            _ if self.infinite >> lane & 1 != 0 => Target::Infinity,
+            NO_TRIANGLE => Target::Point(target),
+            triangle => Target::Triangle { triangle, point: target, error, normal },
+        };
+        let pdf = (self.pdf[lane] > 0.0).then_some(self.pdf[lane]);
+        LightSample { direction, weight, pdf, target, through_glass: false }
+    }
+
     fn put(&mut self, row: usize, lane: usize, v: Vec3) {
         for (k, x) in v.to_array().into_iter().enumerate() {
             self.vectors[row][k][lane] = x;
@@ -53,6 +77,8 @@ pub(super) struct Carried<L: Lanes> {
     pub samplers: PathSamplers<L>,
     /// How the vertex scatters.
     pub lobes: RoughLanes<L::F>,
+    /// Where it scatters smoothly to both sides.
+    pub both_sides: L::M,
 }
 
 impl Wave<'_> {
@@ -74,20 +100,24 @@ impl Wave<'_> {
             }
             let choice = carried.samplers.get_1d(depth, Purpose::LightChoice(k));
             let u = carried.samplers.get_2d(depth, Purpose::LightPoint(k));
-            let receiver = ReceiverLanes::<L> { point: surface.point, normal: surface.frame.z };
-            let lights = &self.course.prepared.lights;
+            let (zero, one) = (l.splat(0.0), l.splat(1.0));
+            let side = L::F::select(carried.both_sides, -one, one);
+            let receiver = ReceiverLanes::<L> { point: surface.point, normal: surface.frame.z, side };
+            let prepared = self.course.prepared;
+            let (lights, of) = (&prepared.lights, (&prepared.scene, &prepared.geometry));
             let chosen = if lights.lanes_can() {
-                lights.sample_lanes(l, &receiver, active, self.course.reach, choice, u, &mut self.memory.lights)
+                lights.sample_lanes(l, of, &receiver, active, self.course.reach, choice, u, &mut self.memory.lights)
             } else {
                 let places = [receiver.point.arrays(), receiver.normal.arrays()];
-                self.choose(active.bits(), &places, &[choice.array(), u[0].array(), u[1].array()]).lanes(l)
+                let both_sides = carried.both_sides.bits();
+                self.choose(active.bits(), both_sides, &places, &[choice.array(), u[0].array(), u[1].array()]).lanes(l)
             };
             if chosen.valid.none() {
                 continue;
             }
             let direction = chosen.direction;
             let local = surface.frame.to_local(direction);
-            let mut out = surface.outgoing(direction);
+            let mut out = surface.outgoing(direction, local.z);
             let (value, bsdf_pdf) = carried.lobes.eval(surface.wo, local);
             let mut open = chosen.valid & out.open & value.is_not_zero();
             self.tile.tally.rays.shadow += open.count() as u64;
@@ -97,8 +127,10 @@ impl Wave<'_> {
             if points.any() {
                 // Points of a disc may lie below the horizon though its centre, which shades, does not.
                 let to = target - surface.point;
-                let own = surface.outgoing(to);
-                open = open & (!points | own.open & to.dot(surface.frame.z).gt(l.splat(0.0)));
+                let to_z = to.dot(surface.frame.z);
+                let own = surface.outgoing(to, to_z);
+                let other_side = to_z.gt(zero) ^ local.z.gt(zero);
+                open = open & (!points | own.open & !other_side);
                 out.origin = V3::select(points, own.origin, out.origin);
             }
             let on_triangle = !(points | infinite);
@@ -110,12 +142,12 @@ impl Wave<'_> {
             let mut light = carried.throughput.times(value).times(chosen.weight);
             if settings.strategy == Strategy::Mis {
                 let shared = power_heuristic_lanes(pdf * count as f32, bsdf_pdf);
-                light = light * L::F::select(pdf.gt(l.splat(0.0)), shared, l.splat(1.0));
+                light = light * L::F::select(pdf.gt(zero), shared, one);
             }
             if count > 1 {
                 light = light * l.splat(1.0 / count as f32);
             }
-            let t_max = L::F::select(infinite, l.splat(f32::INFINITY), l.splat(1.0));
+            let t_max = L::F::select(infinite, l.splat(f32::INFINITY), one);
             let [o, d, e] = [out.origin.components(), dir.components(), light.components()];
             let floats = [o[0], o[1], o[2], d[0], d[1], d[2], t_max, e[0], e[1], e[2]];
             let words = [carried.slot, chosen.triangle, l.word(k + 1)];
@@ -129,7 +161,13 @@ impl Wave<'_> {
     /// Chooses a light sample for each active receiver, one after the other: where lights are of kinds that lanes cannot do.
     /// `receivers` are points and normals, `numbers` the choice's and the point's.
     #[inline(never)]
-    fn choose(&self, active: u32, receivers: &[[[f32; LANES]; 3]; 2], numbers: &[[f32; LANES]; 3]) -> Chosen {
+    fn choose(
+        &self,
+        active: u32,
+        both_sides: u32,
+        receivers: &[[[f32; LANES]; 3]; 2],
+        numbers: &[[f32; LANES]; 3],
+    ) -> Chosen {
         let prepared = self.course.prepared;
         let mut chosen = Chosen {
             vectors: [[[0.0; LANES]; 3]; 5],
@@ -141,7 +179,7 @@ impl Wave<'_> {
         for lane in (0..LANES).filter(|lane| active >> lane & 1 != 0) {
             let vector = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
             let [point, normal] = receivers.each_ref().map(vector);
-            let receiver = Receiver { point, normal, both_sides: false };
+            let receiver = Receiver { point, normal, both_sides: both_sides >> lane & 1 != 0 };
             let [choice, u, v] = numbers.each_ref().map(|row| row[lane]);
             let (scene, geometry) = (&prepared.scene, &prepared.geometry);
             let Some(light) = prepared.lights.sample(scene, geometry, &receiver, self.course.reach, choice, [u, v])

@@ -7,17 +7,22 @@
 //! by the code of the plain integrator, with the same random numbers.
 
 mod begin;
+mod glass;
 mod lanes;
 mod lights;
+mod look;
 mod rows;
 mod shade;
 mod smooth;
+mod sort;
 mod surface;
 mod trace;
+mod waiting;
 
 use super::camera::RayCamera;
 use super::cone::Cone;
 use super::medium::Inside;
+use super::occupied::Occupied;
 use super::tile::{SIDE, Tile};
 use super::walk::{Course, Sent, Walk};
 use super::{View, camera_ray};
@@ -139,21 +144,41 @@ impl Memories {
     }
 }
 
+/// How the scene is looked at.
+pub(super) struct Sight<'a> {
+    pub view: &'a View,
+    pub camera: &'a RayCamera,
+    /// Where rays can meet anything; without it, everywhere. Rays elsewhere bring nothing.
+    pub occupied: Option<&'a Occupied>,
+}
+
 /// Adds to a tile the samples that its pixels lack.
 pub(super) fn render_tile(
     course: &Course,
-    view: &View,
-    camera: &RayCamera,
+    sight: &Sight,
     memories: &Memories,
     tile: &mut Tile,
     control: &Control,
 ) -> Result<(), Stopped> {
-    let mut memory = memories.take();
-    let pixels: Vec<([u32; 2], Range<u32>)> = blockwise(tile.width, tile.height)
+    let Sight { view, camera, occupied } = *sight;
+    let mut pixels: Vec<([u32; 2], Range<u32>)> = blockwise(tile.width, tile.height)
         .into_iter()
         .map(|[x, y]| ([x, y], tile.wanted((y * tile.width + x) as usize)))
         .filter(|(_, wanted)| !wanted.is_empty())
         .collect();
+    if let Some(occupied) = occupied {
+        let meets = |([x, y], _): &([u32; 2], Range<u32>)| occupied.at([tile.x + x, tile.y + y]);
+        let (meeting, empty) = pixels.into_iter().partition(meets);
+        pixels = meeting;
+        for ([x, y], wanted) in empty {
+            tile.pass_over((y * tile.width + x) as usize);
+            control.advance(u64::from(wanted.end - wanted.start));
+        }
+        if pixels.is_empty() {
+            return control.check();
+        }
+    }
+    let mut memory = memories.take();
     let mut next = pixels.iter().map(|(_, wanted)| wanted.start).min().unwrap_or(0);
     let end = pixels.iter().map(|(_, wanted)| wanted.end).max().unwrap_or(0);
     while next < end {
@@ -269,13 +294,6 @@ impl Memory {
             inside: self.slots[rows.word(path::SLOT, at) as usize].inside,
             sent: Sent { smooth: (pdf > 0.0).then_some((receiver, pdf)) },
         }
-    }
-
-    /// Lets the cone of a path go along with its ray to where it has hit, and gives its width there.
-    fn widen(&mut self, at: usize) -> f32 {
-        let Cone { width, .. } = self.walk_cone(at).at(self.hits.float(hit::T, at));
-        self.paths.set_float(path::WIDTH, at, width);
-        width
     }
 
     fn walk_cone(&self, at: usize) -> Cone {

@@ -1,20 +1,20 @@
 //! One scattering of all paths in flight.
 
 use super::lights::Carried;
+use super::look::Look;
+use super::smooth::{mapped_normal, reflecting_normal, visible_normal};
+use super::sort::Sorted;
 use super::surface::{Fetch, Surface};
+use super::waiting::Waiting;
 use super::{Wave, hit, path};
-use crate::geometry::emission;
 use crate::integrate::cone::OPENING;
-use crate::integrate::direct::{emission_weight, power_heuristic_lanes};
-use crate::integrate::material::Scattering;
-use crate::integrate::vertex::{Place, Vertex, scattering};
-use crate::integrate::walk::{Company, MOST_SURVIVAL};
+use crate::integrate::direct::power_heuristic_lanes;
+use crate::integrate::walk::MOST_SURVIVAL;
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words, Work};
-use crate::math::Hit;
-use crate::prepare::Way;
 use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSamplers, Purpose};
 use crate::settings::Strategy;
+use crate::shading::{RoughLanes, RoughSample};
 use glam::Vec3;
 
 /// Shades where the rays of all paths have ended, lets light samples wait, and sends the paths on.
@@ -24,18 +24,6 @@ pub(super) struct Shade<'a, 'b> {
     pub depth: u32,
 }
 
-/// What becomes of sixteen paths, as sets of lanes.
-struct Sorted {
-    /// Their surfaces are shaded in lanes.
-    lanes: u32,
-    /// Those among them whose triangles have normals at their corners, and lobes that are still to be found.
-    smooth: u32,
-    /// Those among them whose surfaces were made one by one.
-    made: u32,
-    /// They have been visited, and go on.
-    visited: u32,
-}
-
 impl Work for Shade<'_, '_> {
     type Output = ();
 
@@ -43,112 +31,20 @@ impl Work for Shade<'_, '_> {
     fn run<L: Lanes>(self, l: L) {
         let Self { wave, depth } = self;
         let count = wave.memory.paths.len;
-        let mut fetch = Fetch::new();
+        let (mut fetch, mut waiting) = (Fetch::new(), Waiting::default());
         // Paths move up within the same rows: entries are written only when they have been read.
         let mut kept = 0;
         for at in (0..count).step_by(LANES) {
             wave.miss(l, depth, at, LANES.min(count - at));
-            let mut sorted = wave.sort(depth, at, LANES.min(count - at), &mut fetch);
-            kept += wave.scatter(l, depth, at, &mut sorted, &mut fetch, kept);
+            let sorted = wave.sort(depth, at, LANES.min(count - at), &mut fetch, &mut waiting);
+            wave.light_waiting(l, depth, at, &mut waiting);
+            kept += wave.scatter(l, depth, at, &sorted, &fetch, kept);
         }
         wave.memory.paths.len = kept;
     }
 }
 
 impl Wave<'_> {
-    /// Adds the light that sixteen paths meet, visits those that lanes cannot, and fetches the surfaces of the others.
-    #[inline(never)]
-    fn sort(&mut self, depth: u32, at: usize, count: usize, fetch: &mut Fetch) -> Sorted {
-        let course = self.course;
-        let prepared = course.prepared;
-        let lanes_can = course.lanes_can();
-        let mut sorted = Sorted { lanes: 0, smooth: 0, made: 0, visited: 0 };
-        for lane in 0..count {
-            let i = at + lane;
-            let triangle = self.memory.hits.word(hit::TRIANGLE, i);
-            if triangle == NO_TRIANGLE {
-                continue;
-            }
-            let part = &prepared.ways[prepared.geometry.part_index(triangle) as usize];
-            let inside = self.memory.paths.word(path::FLAGS, i) & path::INSIDE != 0;
-            if part.way == Way::Any || inside || !lanes_can {
-                sorted.visited |= u32::from(self.visit(depth, i)) << lane;
-                continue;
-            }
-            let width = self.memory.widen(i);
-            if part.emits {
-                self.add_emission(i);
-            }
-            if depth == course.settings.max_depth {
-                continue;
-            }
-            match part.way {
-                Way::Diffuse(Vec3::ZERO) => {}
-                Way::Diffuse(albedo) => {
-                    fetch.put_triangle(lane, prepared, triangle);
-                    fetch.put_albedo(lane, albedo);
-                    sorted.lanes |= 1 << lane;
-                }
-                Way::Smooth => {
-                    fetch.put_triangle(lane, prepared, triangle);
-                    fetch.put_normals(lane, prepared, triangle);
-                    sorted.lanes |= 1 << lane;
-                    sorted.smooth |= 1 << lane;
-                }
-                _ => {
-                    let (hit, dir) = (self.hit(i), self.memory.paths.vector(path::DIR, i));
-                    let Some(place) = Place::new(prepared, &hit, dir) else { continue };
-                    let vertex = Vertex::new(prepared, &hit, place, dir, 1.0, width);
-                    if vertex.bsdf.is_black() {
-                        continue;
-                    }
-                    match vertex.rough() {
-                        Some(rough) => {
-                            fetch.put_vertex(lane, &rough);
-                            sorted.lanes |= 1 << lane;
-                            sorted.made |= 1 << lane;
-                        }
-                        None => sorted.visited |= u32::from(self.scatter_one(depth, i, &vertex)) << lane,
-                    }
-                }
-            }
-        }
-        sorted
-    }
-
-    /// Finds the lobes of smooth surfaces, seen at these cosines. Paths whose surfaces scatter in ways that lanes do not know
-    /// are visited; those whose surfaces scatter nothing end.
-    #[inline(never)]
-    fn find_lobes(&mut self, depth: u32, at: usize, cosines: &[f32; LANES], sorted: &mut Sorted, fetch: &mut Fetch) {
-        let prepared = self.course.prepared;
-        for lane in (0..LANES).filter(|lane| sorted.smooth >> lane & 1 != 0) {
-            let i = at + lane;
-            let (hit, width) = (self.hit(i), self.memory.paths.float(path::WIDTH, i));
-            match scattering(prepared, &hit, cosines[lane], width) {
-                Scattering::Rough(lobes) => {
-                    fetch.put_lobes(lane, &lobes);
-                    continue;
-                }
-                Scattering::Nothing => {}
-                Scattering::Other => {
-                    let dir = self.memory.paths.vector(path::DIR, i);
-                    if let Some(place) = Place::new(prepared, &hit, dir) {
-                        let vertex = Vertex::new(prepared, &hit, place, dir, 1.0, width);
-                        let goes_on = !vertex.bsdf.is_black() && self.scatter_one(depth, i, &vertex);
-                        sorted.visited |= u32::from(goes_on) << lane;
-                    }
-                }
-            }
-            sorted.lanes &= !(1 << lane);
-        }
-    }
-
-    fn hit(&self, i: usize) -> Hit {
-        let hits = &self.memory.hits;
-        let [t, b1, b2] = [hit::T, hit::B1, hit::B2].map(|row| hits.float(row, i));
-        Hit { t, triangle: hits.word(hit::TRIANGLE, i), b1, b2 }
-    }
-
     /// Light from beyond the scene, for those of sixteen paths that have left it.
     #[inline(always)]
     fn miss<L: Lanes>(&mut self, l: L, depth: u32, at: usize, count: usize) {
@@ -181,52 +77,8 @@ impl Wave<'_> {
         }
     }
 
-    /// Light that a surface emits.
-    fn add_emission(&mut self, i: usize) {
-        let course = self.course;
-        let prepared = course.prepared;
-        let (hit, walk) = (self.hit(i), self.memory.walk(i));
-        let Some(place) = Place::new(prepared, &hit, walk.dir) else { return };
-        let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
-        let emitted = emission::emitted(&prepared.scene, &prepared.geometry, hit.triangle, b, place.front);
-        if emitted != Vec3::ZERO {
-            let weight = emission_weight(prepared, course.settings, course.reach, &walk.sent, &place);
-            self.slot(i).radiance += walk.throughput * emitted * weight;
-        }
-    }
-
-    fn slot(&mut self, i: usize) -> &mut super::Slot {
+    pub(super) fn slot(&mut self, i: usize) -> &mut super::Slot {
         &mut self.memory.slots[self.memory.paths.word(path::SLOT, i) as usize]
-    }
-
-    /// Does everything for a path as the plain integrator does; whether it goes on.
-    fn visit(&mut self, depth: u32, i: usize) -> bool {
-        let (hit, mut walk) = (self.hit(i), self.memory.walk(i));
-        let course = self.course;
-        let slot = &mut self.memory.slots[self.memory.paths.word(path::SLOT, i) as usize];
-        let rays = &mut self.tile.tally.rays;
-        let super::Slot { sampler, radiance, .. } = slot;
-        let mut with = Company { sampler, radiance, rays, recorder: &mut () };
-        let goes_on = course.visit(depth, &mut walk, Some(hit), &mut with);
-        if goes_on {
-            self.memory.put(i, &walk);
-        }
-        goes_on
-    }
-
-    /// Scatters a path as the plain integrator does, its emission having been added.
-    fn scatter_one(&mut self, depth: u32, i: usize, vertex: &Vertex) -> bool {
-        let mut walk = self.memory.walk(i);
-        let course = self.course;
-        let slot = &mut self.memory.slots[self.memory.paths.word(path::SLOT, i) as usize];
-        let rays = &mut self.tile.tally.rays;
-        let super::Slot { sampler, radiance, .. } = slot;
-        let mut with = Company { sampler, radiance, rays, recorder: &mut () };
-        let goes_on = course.scatter(depth, &mut walk, vertex, &mut with);
-        if goes_on {
-            self.memory.put(i, &walk);
-        }
-        goes_on
     }
 
     /// Has paths count as not finite: roulette would end them, and nobody would know.
@@ -237,57 +89,93 @@ impl Wave<'_> {
         }
     }
 
+    /// The surfaces that were fetched, and how they scatter.
+    #[inline(always)]
+    fn surfaces<L: Lanes>(
+        &self,
+        l: L,
+        at: usize,
+        sorted: &Sorted,
+        fetch: &Fetch,
+        width: L::F,
+    ) -> (Surface<L>, RoughLanes<L::F>) {
+        let (paths, hits) = (&self.memory.paths, &self.memory.hits);
+        let dir = paths.load_vector(l, path::DIR, at);
+        let b = [hits.load(l, hit::B1, at), hits.load(l, hit::B2, at)];
+        let (mut surface, mut normal) = fetch.surface(l, dir, b, l.mask(sorted.smooth));
+        let albedo = fetch.albedo(l);
+        let (rough, glass) = (l.mask(sorted.rough), l.mask(sorted.glass));
+        if sorted.rough | sorted.glass == 0 {
+            surface.turn(surface.normal, dir);
+            return (surface, RoughLanes::lambert(albedo));
+        }
+        let look = if sorted.rough != 0 { Some(Look::new(l, self.course.prepared, fetch, width, rough)) } else { None };
+        let mut bends = glass;
+        if let Some(look) = &look {
+            if look.mapped.any() {
+                let mapped = mapped_normal(normal, fetch.tangent(l), look.texel);
+                normal = V3::select(look.mapped, mapped, normal);
+            }
+            bends = bends | look.bends;
+        }
+        let visible = visible_normal(normal, surface.normal, -dir);
+        let bends = bends & surface.is_flat();
+        let shading = reflecting_normal(bends, visible, surface.normal, -dir);
+        surface.turn(V3::select(rough | glass, shading, surface.normal), dir);
+        let diffuse = l.mask(sorted.lanes) & !(rough | glass);
+        let lobes = match &look {
+            Some(look) => look.params.lobes(l, surface.wo.z, rough).or_lambert(diffuse, albedo),
+            None => RoughLanes::lambert(albedo).only(diffuse),
+        };
+        surface.lower(lobes.transmits_smoothly());
+        (surface, lobes)
+    }
+
     /// Scatters the paths whose surfaces were fetched, and moves all that go on up to `kept`; how many they are.
     #[inline(always)]
-    fn scatter<L: Lanes>(
-        &mut self,
-        l: L,
-        depth: u32,
-        at: usize,
-        sorted: &mut Sorted,
-        fetch: &mut Fetch,
-        kept: usize,
-    ) -> usize {
+    fn scatter<L: Lanes>(&mut self, l: L, depth: u32, at: usize, sorted: &Sorted, fetch: &Fetch, kept: usize) -> usize {
         if sorted.lanes | sorted.visited == 0 {
             return 0;
         }
-        let mut surface = None;
-        if sorted.lanes != 0 {
-            let (paths, hits) = (&self.memory.paths, &self.memory.hits);
-            let dir = paths.load_vector(l, path::DIR, at);
-            let b = [hits.load(l, hit::B1, at), hits.load(l, hit::B2, at)];
-            let own: Surface<L> = fetch.surface(l, dir, b, [l.mask(sorted.smooth), l.mask(sorted.made)]);
-            if sorted.smooth != 0 {
-                self.find_lobes(depth, at, &own.wo.z.array(), sorted, fetch);
-            }
-            surface = Some(own);
-        }
-        let active = l.mask(sorted.lanes);
         let (mut floats, mut words) = self.memory.paths.load_all(l, at);
         let mut goes_on = l.mask(sorted.visited);
         let kind = self.course.settings.sampler;
-        if active.any()
-            && let Some(surface) = surface
+        if sorted.lanes != 0
             && let Some(samplers) = PathSamplers::<L>::new(kind, words[path::KEY], words[path::INDEX])
         {
-            let lobes = fetch.lobes(l, active);
+            let zero = l.splat(0.0);
+            let width = floats[path::WIDTH] + floats[path::SPREAD] * self.memory.hits.load(l, hit::T, at);
+            let (surface, lobes) = self.surfaces(l, at, sorted, fetch, width);
+            let glass = l.mask(sorted.glass);
+            let active = l.mask(sorted.lanes) & (lobes.scatters() | glass);
             let throughput = vector::<L>(&floats, path::THROUGHPUT);
-            let carried = Carried { throughput, slot: words[path::SLOT], samplers, lobes };
-            if self.course.prepared.lights.any(self.course.reach) {
-                self.sample_lights(l, depth, active, &surface, &carried);
+            let both_sides = lobes.transmits_smoothly();
+            let lit = active & lobes.has_smooth() & !glass;
+            let carried = Carried { throughput, slot: words[path::SLOT], samplers, lobes, both_sides };
+            if self.course.prepared.lights.any(self.course.reach) && lit.any() {
+                self.sample_lights(l, depth, lit, &surface, &carried);
             }
             let u = samplers.get_2d(depth, Purpose::Direction);
-            let chosen = lobes.reflects;
-            let u_lobe = if chosen { samplers.get_1d(depth, Purpose::Lobe) } else { l.splat(0.0) };
-            let local = lobes.sample(surface.wo, u_lobe, u);
-            let (value, pdf) = lobes.eval(surface.wo, local);
-            let weight = value * (l.splat(1.0) / pdf);
+            let chosen = lobes.reflects | lobes.transmits | glass.any();
+            let u_lobe = if chosen { samplers.get_1d(depth, Purpose::Lobe) } else { zero };
+            let RoughSample { wi: mut local, mut weight, mut pdf, mut delta } = lobes.sample(surface.wo, u_lobe, u);
+            let mut through = glass & !glass;
+            if glass.any() {
+                let s = fetch.glass(l).sample(surface.wo, u_lobe);
+                local = V3::select(glass, s.wi, local);
+                weight = V3::select(glass, s.weight, weight);
+                pdf = L::F::select(glass, s.probability, pdf);
+                delta = delta | glass;
+                through = glass & s.transmitted;
+                let scale = floats[path::ETA_SCALE];
+                floats[path::ETA_SCALE] = L::F::select(glass, scale * s.eta_scale, scale);
+            }
             let mut throughput = throughput.times(weight);
             let wi = surface.frame.to_world(local);
-            let out = surface.outgoing(wi);
+            let out = surface.outgoing(wi, local.z);
             // What is not a number is not absorbed either.
             let broken = active & !(pdf.is_finite() & local.is_finite());
-            let mut on = broken | active & pdf.gt(l.splat(0.0)) & value.is_not_zero() & out.open;
+            let mut on = broken | active & pdf.gt(zero) & weight.is_not_zero() & out.open;
             let lost = broken | on & !throughput.is_finite();
             if lost.any() {
                 self.lose(at, lost.bits());
@@ -309,10 +197,18 @@ impl Wave<'_> {
                     floats[row + k] = L::F::select(active, x, floats[row + k]);
                 }
             }
-            floats[path::PDF] = L::F::select(active, pdf, floats[path::PDF]);
             let spread = floats[path::SPREAD];
-            floats[path::SPREAD] = L::F::select(active, spread + l.splat(OPENING) / pdf.sqrt(), spread);
-            words[path::FLAGS] = L::U::select(active, l.word(0), words[path::FLAGS]);
+            floats[path::PDF] = L::F::select(active, pdf.only(!delta), floats[path::PDF]);
+            floats[path::WIDTH] = L::F::select(active, width, floats[path::WIDTH]);
+            let wider = spread + (l.splat(OPENING) / pdf.sqrt()).only(!delta);
+            floats[path::SPREAD] = L::F::select(active, wider, spread);
+            let mut flags = L::U::select(both_sides, l.word(path::BOTH_SIDES), l.word(0));
+            let in_glass = on & glass;
+            if in_glass.any() {
+                let own = self.cross_glass(at, in_glass.bits(), (through & on).bits(), fetch);
+                flags = L::U::select(in_glass, l.load_words(&own), flags);
+            }
+            words[path::FLAGS] = L::U::select(active, flags, words[path::FLAGS]);
             self.tile.tally.rays.bounce += on.count() as u64;
             goes_on = goes_on | on;
         }

@@ -2,20 +2,23 @@
 
 use super::lanes::{FrameLanes, offset_point};
 use super::smooth::Corners;
-use crate::integrate::vertex::{RoughVertex, SAME_PLANE};
+use crate::geometry::{TexturesLanes, Texturing};
+use crate::integrate::vertex::SAME_PLANE;
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3};
 use crate::math::float_error::gamma;
 use crate::prepare::PreparedScene;
-use crate::shading::{RoughLanes, RoughLobes};
+use crate::shading::{Glass, GlassLanes};
 use glam::Vec3;
 
-/// Sixteen surface points that scatter diffusely or by rough reflection, as seen by a path.
+/// Sixteen surface points, as seen by a path.
 pub(super) struct Surface<L: Lanes> {
     /// Where what is reflected starts.
     pub point: V3<L::F>,
+    /// Where what is transmitted starts: on the triangle.
+    place: V3<L::F>,
     error: V3<L::F>,
     /// Unit geometric normal on the viewer's side.
-    normal: V3<L::F>,
+    pub normal: V3<L::F>,
     /// Whether `point` is above the triangle, so that directions below its plane are open.
     lifted: L::M,
     pub frame: FrameLanes<L::F>,
@@ -32,12 +35,35 @@ pub(super) struct Outgoing<L: Lanes> {
 }
 
 impl<L: Lanes> Surface<L> {
-    /// How rays along world directions begin that go up in the frame.
+    /// How rays along world directions begin, whose cosines to the shading normal are `local_z`.
     #[inline(always)]
-    pub fn outgoing(&self, wi: V3<L::F>) -> Outgoing<L> {
-        let above = wi.dot(self.normal).gt(wi.x.fill(0.0));
-        let offset = offset_point(self.point, self.error, self.normal, wi);
-        Outgoing { origin: V3::select(above, offset, self.point), open: above | self.lifted }
+    pub fn outgoing(&self, wi: V3<L::F>, local_z: L::F) -> Outgoing<L> {
+        let zero = local_z.fill(0.0);
+        let (above, reflected) = (wi.dot(self.normal).gt(zero), local_z.gt(zero));
+        let agree = !(above ^ reflected);
+        let from = V3::select(reflected, self.point, self.place);
+        let offset = offset_point(from, self.error, self.normal, wi);
+        Outgoing { origin: V3::select(agree, offset, self.point), open: agree | reflected & self.lifted }
+    }
+
+    /// Takes unit shading normals; the points are seen along `dir`.
+    #[inline(always)]
+    pub fn turn(&mut self, shading: V3<L::F>, dir: V3<L::F>) {
+        self.frame = FrameLanes::from_normal(shading);
+        self.wo = self.frame.to_local(-dir);
+    }
+
+    /// Has rays start on the triangle itself.
+    #[inline(always)]
+    pub fn lower(&mut self, there: L::M) {
+        self.point = V3::select(there, self.place, self.point);
+        self.lifted = self.lifted & !there;
+    }
+
+    /// Where directions below the plane of the triangle are not open.
+    #[inline(always)]
+    pub fn is_flat(&self) -> L::M {
+        !self.lifted
     }
 }
 
@@ -64,19 +90,26 @@ pub(super) struct Fetch {
     triangle: Fetched<12>,
     /// Normals at the corners.
     normals: Fetched<9>,
-    /// Point, error, normal and shading normal of vertices that were made one by one.
-    vertex: Fetched<12>,
-    /// Which of the latter are lifted.
-    lifted: u32,
-    /// Albedo, both reflectances, α and the share of the diffuse lobe.
-    lobes: Fetched<11>,
+    /// Both sets of texture coordinates, twice the triangle's area in each, colour, tangent and its handedness.
+    look: Fetched<13>,
+    /// Albedo of surfaces of one diffuse colour.
+    albedo: Fetched<3>,
+    /// Of smooth glass: index, reflectance at normal and at grazing incidence, tint.
+    glass: Fetched<8>,
+    /// Materials of all but diffuse surfaces.
+    pub material: [u32; LANES],
 }
 
 impl Fetch {
     pub fn new() -> Self {
-        let (triangle, normals) = (Fetched([[0.0; LANES]; 12]), Fetched([[0.0; LANES]; 9]));
-        let (vertex, lobes) = (Fetched([[0.0; LANES]; 12]), Fetched([[0.0; LANES]; 11]));
-        Self { triangle, normals, vertex, lifted: 0, lobes }
+        Self {
+            triangle: Fetched([[0.0; LANES]; 12]),
+            normals: Fetched([[0.0; LANES]; 9]),
+            look: Fetched([[0.0; LANES]; 13]),
+            albedo: Fetched([[0.0; LANES]; 3]),
+            glass: Fetched([[0.0; LANES]; 8]),
+            material: [0; LANES],
+        }
     }
 
     /// Fetches a triangle for a lane.
@@ -97,43 +130,65 @@ impl Fetch {
         }
     }
 
-    /// Puts down a diffuse lobe.
+    /// Puts down the colour of a diffuse surface.
     #[inline]
     pub fn put_albedo(&mut self, lane: usize, albedo: Vec3) {
-        self.put_lobes(lane, &RoughLobes::lambert(albedo));
+        self.albedo.put(0, lane, albedo);
     }
 
-    /// Puts down the lobes of a lane.
+    /// Puts down what smooth glass is like.
     #[inline]
-    pub fn put_lobes(&mut self, lane: usize, lobes: &RoughLobes) {
-        for (k, colour) in [lobes.albedo, lobes.f0, lobes.f90].into_iter().enumerate() {
-            self.lobes.put(3 * k, lane, colour.into());
-        }
-        self.lobes.0[9][lane] = lobes.alpha;
-        self.lobes.0[10][lane] = lobes.diffuse_share;
+    pub fn put_glass(&mut self, lane: usize, glass: &Glass) {
+        self.glass.0[0][lane] = glass.eta;
+        self.glass.put(1, lane, glass.f0.into());
+        self.glass.0[4][lane] = glass.f90;
+        self.glass.put(5, lane, glass.tint.into());
     }
 
-    /// Puts down a vertex for a lane.
-    pub fn put_vertex(&mut self, lane: usize, v: &RoughVertex) {
-        for (k, vector) in [v.point, v.error, v.normal, v.shading].into_iter().enumerate() {
-            self.vertex.put(3 * k, lane, vector);
-        }
-        self.lifted = self.lifted & !(1 << lane) | u32::from(v.lifted) << lane;
-        self.put_lobes(lane, &v.lobes);
-    }
-
-    /// The surfaces at hits with the weights `b1` and `b2`, seen along `dir`, without their lobes: flat ones, those with normals
-    /// at their corners where `smooth`, and those that are vertices already where `made`.
+    /// Smooth glass.
     #[inline(always)]
-    pub fn surface<L: Lanes>(&self, l: L, dir: V3<L::F>, [b1, b2]: [L::F; 2], [smooth, made]: [L::M; 2]) -> Surface<L> {
+    pub fn glass<L: Lanes>(&self, l: L) -> GlassLanes<L::F> {
+        GlassLanes {
+            eta: l.load(&self.glass.0[0]),
+            f0: self.glass.vector(l, 1),
+            f90: l.load(&self.glass.0[4]),
+            tint: self.glass.vector(l, 5),
+        }
+    }
+
+    /// Fetches what textures are looked up by.
+    #[inline]
+    pub fn put_look(&mut self, lane: usize, of: &Texturing) {
+        let ([[u0, v0], [u1, v1]], [area0, area1], (tangent, handedness)) = (of.uv, of.uv_area, of.tangent);
+        for (row, x) in [u0, v0, u1, v1, area0, area1].into_iter().enumerate() {
+            self.look.0[row][lane] = x;
+        }
+        self.look.put(6, lane, of.color);
+        self.look.put(9, lane, tangent);
+        self.look.0[12][lane] = handedness;
+    }
+
+    /// The look of a surface that has neither textures nor colours.
+    #[inline]
+    pub fn put_plain_look(&mut self, lane: usize) {
+        for row in &mut self.look.0 {
+            row[lane] = 0.0;
+        }
+        self.look.put(6, lane, Vec3::ONE);
+    }
+
+    /// The surfaces at hits with the weights `b1` and `b2`, seen along `dir`: flat ones, and where `smooth` those with normals at
+    /// their corners. Gives the unit normals on their fronts, too.
+    #[inline(always)]
+    pub fn surface<L: Lanes>(&self, l: L, dir: V3<L::F>, [b1, b2]: [L::F; 2], smooth: L::M) -> (Surface<L>, V3<L::F>) {
         let mut surface = self.flat(l, dir, b1, b2);
-        let mut shading = surface.normal;
+        let mut normal = self.triangle.vector(l, 9);
         if smooth.any() {
             let corners = Corners::<L> {
                 dir,
                 point: surface.point,
                 error: surface.error,
-                outward: self.triangle.vector(l, 9),
+                outward: normal,
                 normal: surface.normal,
                 positions: [self.triangle.vector(l, 0), self.triangle.vector(l, 3), self.triangle.vector(l, 6)],
                 normals: [self.normals.vector(l, 0), self.normals.vector(l, 3), self.normals.vector(l, 6)],
@@ -142,31 +197,41 @@ impl Fetch {
             let own = corners.smooth(l);
             surface.lifted = own.lifted & smooth;
             surface.point = V3::select(surface.lifted, surface.point + own.lift, surface.point);
-            shading = V3::select(smooth, own.shading, shading);
+            normal = V3::select(smooth, own.normal, normal);
         }
-        if made.any() {
-            surface.point = V3::select(made, self.vertex.vector(l, 0), surface.point);
-            surface.error = V3::select(made, self.vertex.vector(l, 3), surface.error);
-            surface.normal = V3::select(made, self.vertex.vector(l, 6), surface.normal);
-            shading = V3::select(made, self.vertex.vector(l, 9), shading);
-            surface.lifted = surface.lifted & !made | l.mask(self.lifted) & made;
-        }
-        surface.frame = FrameLanes::from_normal(shading);
-        surface.wo = surface.frame.to_local(-dir);
-        surface
+        (surface, normal)
     }
 
-    /// The lobes that were put down.
+    /// The colours of diffuse surfaces.
     #[inline(always)]
-    pub fn lobes<L: Lanes>(&self, l: L, active: L::M) -> RoughLanes<L::F> {
-        let diffuse_share = l.load(&self.lobes.0[10]);
-        RoughLanes {
-            albedo: self.lobes.vector(l, 0),
-            f0: self.lobes.vector(l, 3),
-            f90: self.lobes.vector(l, 6),
-            alpha: l.load(&self.lobes.0[9]),
-            diffuse_share,
-            reflects: (diffuse_share.lt(l.splat(1.0)) & active).any(),
+    pub fn albedo<L: Lanes>(&self, l: L) -> V3<L::F> {
+        self.albedo.vector(l, 0)
+    }
+
+    /// Colour factors.
+    #[inline(always)]
+    pub fn color<L: Lanes>(&self, l: L) -> V3<L::F> {
+        self.look.vector(l, 6)
+    }
+
+    /// Tangents, and their handedness, 0 where there are none.
+    #[inline(always)]
+    pub fn tangent<L: Lanes>(&self, l: L) -> (V3<L::F>, L::F) {
+        (self.look.vector(l, 9), l.load(&self.look.0[12]))
+    }
+
+    /// Textures as rays of these widths see them.
+    #[inline(always)]
+    pub fn textures<'a, L: Lanes>(&self, l: L, prepared: &'a PreparedScene, width: L::F) -> TexturesLanes<'a, L> {
+        let (a, b, c) = (self.triangle.vector(l, 0), self.triangle.vector(l, 3), self.triangle.vector(l, 6));
+        let area = (b - a).cross(c - a).length_squared().sqrt();
+        let square = width * width;
+        let [u0, v0, u1, v1, area0, area1, ..] = &self.look.0;
+        TexturesLanes {
+            scene: &prepared.scene,
+            pyramids: &prepared.pyramids,
+            uv: [[l.load(u0), l.load(v0)], [l.load(u1), l.load(v1)]],
+            footprint: [square * (l.load(area0) / area), square * (l.load(area1) / area)],
         }
     }
 
@@ -181,8 +246,10 @@ impl Fetch {
         let extent = extent(c0.x, c1.x, c2.x).max(extent(c0.y, c1.y, c2.y)).max(extent(c0.z, c1.z, c2.z));
         let plane = extent * gamma(SAME_PLANE);
         let rounding = (p0.abs() + p1.abs() + p2.abs()) * l.splat(gamma(7));
+        let point = p0 + p1 + p2;
         Surface {
-            point: p0 + p1 + p2,
+            point,
+            place: point,
             error: rounding + V3::splat(plane),
             normal,
             lifted: l.mask(0),

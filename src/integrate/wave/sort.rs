@@ -1,0 +1,142 @@
+//! What the rays of sixteen paths have met, and who shades it.
+
+use super::surface::Fetch;
+use super::waiting::Waiting;
+use super::{Wave, hit, path};
+use crate::geometry::emission;
+use crate::integrate::direct::emission_weight;
+use crate::integrate::vertex::Place;
+use crate::integrate::walk::Company;
+use crate::math::Hit;
+use crate::prepare::Way;
+use crate::prepare::kdtree::NO_TRIANGLE;
+use glam::Vec3;
+
+/// What becomes of sixteen paths, as sets of lanes.
+pub(super) struct Sorted {
+    /// Their surfaces are shaded in lanes.
+    pub lanes: u32,
+    /// Those among them whose triangles have normals at their corners.
+    pub smooth: u32,
+    /// Those among them whose lobes are still to be found.
+    pub rough: u32,
+    /// Those among them that are smooth glass.
+    pub glass: u32,
+    /// They have been visited, and go on.
+    pub visited: u32,
+}
+
+impl Wave<'_> {
+    /// Adds the light that sixteen paths meet, visits those that lanes cannot, and fetches the surfaces of the others.
+    #[inline(never)]
+    pub(super) fn sort(
+        &mut self,
+        depth: u32,
+        at: usize,
+        count: usize,
+        fetch: &mut Fetch,
+        waiting: &mut Waiting,
+    ) -> Sorted {
+        let course = self.course;
+        let prepared = course.prepared;
+        let lanes_can = course.lanes_can();
+        let mut sorted = Sorted { lanes: 0, smooth: 0, rough: 0, glass: 0, visited: 0 };
+        for lane in 0..count {
+            let i = at + lane;
+            let triangle = self.memory.hits.word(hit::TRIANGLE, i);
+            if triangle == NO_TRIANGLE {
+                continue;
+            }
+            let part = &prepared.ways[prepared.geometry.part_index(triangle) as usize];
+            let inside = self.memory.paths.word(path::FLAGS, i) & path::INSIDE != 0;
+            if part.way == Way::Any || inside && part.way != Way::Glass || !lanes_can {
+                sorted.visited |= u32::from(self.visit(depth, i, (lane, waiting))) << lane;
+                continue;
+            }
+            if part.way == Way::Glass {
+                self.enter_glass(i, lane, fetch);
+            }
+            if part.emits {
+                self.add_emission(i);
+            }
+            if depth == course.settings.max_depth {
+                continue;
+            }
+            match part.way {
+                Way::Diffuse(Vec3::ZERO) => {}
+                Way::Diffuse(albedo) => {
+                    fetch.put_triangle(lane, prepared, triangle);
+                    fetch.put_albedo(lane, albedo);
+                    sorted.lanes |= 1 << lane;
+                }
+                way => {
+                    let geometry = &prepared.geometry;
+                    fetch.put_triangle(lane, prepared, triangle);
+                    if part.smooth {
+                        fetch.put_normals(lane, prepared, triangle);
+                        sorted.smooth |= 1 << lane;
+                    }
+                    sorted.lanes |= 1 << lane;
+                    if way == Way::Glass {
+                        sorted.glass |= 1 << lane;
+                        continue;
+                    }
+                    if part.textured {
+                        let Hit { b1, b2, .. } = self.hit(i);
+                        let b = [1.0 - b1 - b2, b1, b2];
+                        fetch.put_look(lane, &geometry.texturing(&prepared.scene, triangle, b, part.mapped));
+                    } else {
+                        fetch.put_plain_look(lane);
+                    }
+                    fetch.material[lane] = geometry.material(&prepared.scene, triangle);
+                    sorted.rough |= 1 << lane;
+                }
+            }
+        }
+        sorted
+    }
+
+    pub(super) fn hit(&self, i: usize) -> Hit {
+        let hits = &self.memory.hits;
+        let [t, b1, b2] = [hit::T, hit::B1, hit::B2].map(|row| hits.float(row, i));
+        Hit { t, triangle: hits.word(hit::TRIANGLE, i), b1, b2 }
+    }
+
+    /// Light that a surface emits.
+    fn add_emission(&mut self, i: usize) {
+        let course = self.course;
+        let prepared = course.prepared;
+        let (hit, walk) = (self.hit(i), self.memory.walk(i));
+        let Some(place) = Place::new(prepared, &hit, walk.dir) else { return };
+        let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
+        let emitted = emission::emitted(&prepared.scene, &prepared.geometry, hit.triangle, b, place.front);
+        if emitted != Vec3::ZERO {
+            let weight = emission_weight(prepared, course.settings, course.reach, &walk.sent, &place);
+            self.slot(i).radiance += walk.throughput * emitted * weight;
+        }
+    }
+
+    /// Does everything for a path as the plain integrator does, but for light samples, which wait where lanes can choose them;
+    /// whether it goes on.
+    fn visit(&mut self, depth: u32, i: usize, (lane, waiting): (usize, &mut Waiting)) -> bool {
+        let (hit, mut walk) = (self.hit(i), self.memory.walk(i));
+        let course = self.course;
+        let slot = &mut self.memory.slots[self.memory.paths.word(path::SLOT, i) as usize];
+        let rays = &mut self.tile.tally.rays;
+        let super::Slot { sampler, radiance, .. } = slot;
+        let mut with = Company { sampler, radiance, rays, recorder: &mut () };
+        let goes_on = if course.lanes_can() && course.prepared.lights.lanes_can() {
+            let Some(vertex) = course.arrive(depth, &mut walk, Some(hit), &mut with) else { return false };
+            if vertex.bsdf.has_smooth() && course.prepared.lights.any(course.reach) {
+                waiting.put(lane, vertex, &walk);
+            }
+            course.scatter(depth, &mut walk, &vertex, &mut with)
+        } else {
+            course.visit(depth, &mut walk, Some(hit), &mut with)
+        };
+        if goes_on {
+            self.memory.put(i, &walk);
+        }
+        goes_on
+    }
+}
