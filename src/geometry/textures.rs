@@ -267,6 +267,38 @@ mod tests {
     }
 
     #[test]
+    fn coverage_reads_what_a_whole_look_up_has_for_alpha() {
+        for (filter, wrap) in [
+            (Filter::Linear, Wrap::Repeat),
+            (Filter::Linear, Wrap::Mirror),
+            (Filter::Linear, Wrap::Clamp),
+            (Filter::Nearest, Wrap::Repeat),
+        ] {
+            let mut scene = two_by_two(filter, wrap);
+            if let Pixels::Rgba8(pixels) = &mut scene.images[0].pixels {
+                pixels.iter_mut().enumerate().for_each(|(k, x)| *x = (k * 37 + 11) as u8);
+            }
+            let reference = TextureRef::new(0);
+            let input = ScalarInput { factor: 0.8, texture: Some(reference), channel: Channel::A, bias: 0.1 };
+            for k in 0..200 {
+                let uv = [k as f32 * 0.037 - 2.3, k as f32 * -0.051 + 3.1];
+                let whole = 0.1 + 0.8 * lookup(&scene, &reference, &[uv; 2]).w;
+                assert_eq!(alpha_8(&scene, &input, &[uv; 2]), Some(whole));
+            }
+            assert_eq!(alpha_8(&scene, &ScalarInput { channel: Channel::R, ..input }, &[[0.0; 2]; 2]), None);
+        }
+    }
+
+    #[test]
+    fn far_out_coordinates_wrap_as_exactly_as_they_are() {
+        let scene = two_by_two(Filter::Linear, Wrap::Repeat);
+        let at = |u: f32| lookup(&scene, &TextureRef::new(0), &[[u, 0.25], [0.0; 2]]);
+        for turns in [1.0, 100.0, 65536.0, -4096.0] {
+            assert_eq!(at(turns + 0.375), at(0.375));
+        }
+    }
+
+    #[test]
     fn srgb_decoding_has_its_known_values() {
         assert_eq!(srgb_to_linear(1.0), 1.0);
         assert!((srgb_to_linear(0.5) - 0.214_041_1).abs() < 1e-6);

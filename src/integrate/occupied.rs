@@ -59,3 +59,85 @@ impl Occupied {
         self.blocks[(y / BLOCK) as usize * self.across + (x / BLOCK) as usize]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::camera_ray;
+    use crate::math::Ray;
+    use crate::prepare::{EnvironmentSource, prepare};
+    use crate::sampling::{hash_combine, unit_float};
+    use crate::settings::PrepareSettings;
+    use glam::{DAffine3, DVec3, Vec3};
+    use kiln_formats::scene::{Camera, Instance, Material, Mesh, Projection};
+    use kiln_formats::{Control, Scene};
+
+    /// Needles and specks.
+    fn heap() -> PreparedScene {
+        let number = |i: u32, k: u32| unit_float(hash_combine(i, k)) * 2.0 - 1.0;
+        let vector = |i: u32, k: u32| Vec3::new(number(i, k), number(i, k + 1), number(i, k + 2));
+        let mut mesh = Mesh::default();
+        for i in 0..60 {
+            let (middle, size) = (vector(i, 0), [0.5, 0.05, 0.002][i as usize % 3]);
+            let corners = [middle, middle + vector(i, 3) * size, middle + vector(i, 6) * (size * 0.02)];
+            mesh.positions.extend(corners.map(|p| p.to_array()));
+            mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        let mut scene = Scene { meshes: vec![mesh], materials: vec![Material::default()], ..Scene::default() };
+        scene.instances.push(Instance { name: String::new(), mesh: 0, transform: DAffine3::IDENTITY });
+        prepare(scene, &EnvironmentSource::None, &PrepareSettings::default(), &Control::default()).expect("not stopped")
+    }
+
+    #[test]
+    fn whatever_a_ray_meets_is_in_an_occupied_square() {
+        let prepared = heap();
+        let (mut met, mut free) = (0, 0);
+        for (round, projection) in
+            [Projection::Perspective, Projection::Orthographic].into_iter().cycle().take(8).enumerate()
+        {
+            let from = |k: u32| f64::from(unit_float(hash_combine(round as u32, 90 + k))) - 0.5;
+            let origin = DVec3::new(from(0), from(1), from(2)).normalize() * 4.0;
+            let right = origin.any_orthonormal_vector();
+            let (width, height) = (150, 70);
+            let camera = Camera {
+                name: String::new(),
+                projection,
+                origin,
+                forward: -origin.normalize(),
+                right: right * 0.6,
+                up: right.cross(-origin.normalize()) * 0.3,
+                aspect: None,
+            };
+            let view = View { camera, width, height, show_environment: false };
+            let camera = RayCamera::new(&view.camera, &prepared.frame);
+            let occupied = Occupied::new(&prepared, &view, &camera).expect("all is before the camera");
+            for pixel in (0..width * height).map(|k| [k % width, k / width]) {
+                free += u32::from(!occupied.at(pixel));
+                for sample in 0..4 {
+                    let number = |k: u32| unit_float(hash_combine(hash_combine(pixel[0], pixel[1]), 2 * sample + k));
+                    let ((origin, dir), _) = camera_ray(&view, &camera, pixel, [number(0), number(1)]);
+                    let hit = prepared.tree.closest(&Ray { origin, dir, t_max: f32::INFINITY }, |_| true);
+                    met += u32::from(hit.is_some());
+                    assert!(hit.is_none() || occupied.at(pixel), "{pixel:?}");
+                }
+            }
+        }
+        assert!(met > 2000 && free > 20_000, "{met} rays met something, {free} pixels are free");
+    }
+
+    #[test]
+    fn a_camera_among_triangles_knows_nothing() {
+        let prepared = heap();
+        let camera = Camera {
+            name: String::new(),
+            projection: Projection::Perspective,
+            origin: DVec3::ZERO,
+            forward: DVec3::X,
+            right: DVec3::Y,
+            up: DVec3::Z,
+            aspect: None,
+        };
+        let view = View { camera, width: 8, height: 8, show_environment: false };
+        assert!(Occupied::new(&prepared, &view, &RayCamera::new(&view.camera, &prepared.frame)).is_none());
+    }
+}
