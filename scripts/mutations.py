@@ -70,12 +70,12 @@ MUTATIONS = [
      "terminator-below-the-face normals-smooth"),
     ("unbent-normal", "the viewer is above the shading normal's horizon", [
         ("integrate/bend.rs", "if cosine >= least {", "if IS || cosine >= least {"),
-        ("integrate/wave/smooth.rs", "let cosine = shading.dot(wo);", "let cosine = ON { l.splat(1.0) } else { shading.dot(wo) };")],
+        ("integrate/wave/smooth.rs", "let cosine = shading.dot(wo);", "let cosine = ON { wo.x.fill(1.0) } else { shading.dot(wo) };")],
      "normals-* normal-map-* terminator-*"),
     ("bent-flat-normal", "a flat face is seen by its own normal however grazing", [
         ("integrate/bend.rs", "LEAST_COSINE.min(normal.dot(wo))", "ON { LEAST_COSINE } else { LEAST_COSINE.min(normal.dot(wo)) }"),
-        ("integrate/wave/smooth.rs", "l.splat(LEAST_COSINE).min(self.normal.dot(wo))",
-         "ON { l.splat(LEAST_COSINE) } else { l.splat(LEAST_COSINE).min(self.normal.dot(wo)) }")],
+        ("integrate/wave/smooth.rs", "zero.fill(LEAST_COSINE).min(normal.dot(wo))",
+         "ON { zero.fill(LEAST_COSINE) } else { zero.fill(LEAST_COSINE).min(normal.dot(wo)) }")],
      "furnace-metal-*-at-89.9 mirror-grazing-*"),
     ("coverage-by-triangle", "neighbours decide alike about an edge of a sheet", [
         ("integrate/trace.rs", "let site = coverage_site(geometry, hit.triangle, b);",
