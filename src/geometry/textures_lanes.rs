@@ -71,7 +71,8 @@ impl<L: Lanes> TexturesLanes<'_, L> {
         let found = levels.fetch(&level.array(), &places, known.bits());
         let texels =
             [l.load_words(&found[0]), l.load_words(&found[1]), l.load_words(&found[2]), l.load_words(&found[3])];
-        let parts = [x.part, y.part];
+        // Texels of unknown places are zeros, but zero times what is not a number is not.
+        let parts = [x.part.only(known), y.part.only(known)];
         let srgb = (texture.color_space == ColorSpace::Srgb).then(|| &*SRGB_8);
         [
             channel::<L, 0>(l, &texels, parts, srgb),

@@ -97,15 +97,16 @@ mod tests {
         {
             let from = |k: u32| f64::from(unit_float(hash_combine(round as u32, 90 + k))) - 0.5;
             let origin = DVec3::new(from(0), from(1), from(2)).normalize() * 4.0;
-            let right = origin.any_orthonormal_vector();
+            let forward = -origin.normalize();
+            let right = forward.any_orthonormal_vector();
             let (width, height) = (150, 70);
             let camera = Camera {
                 name: String::new(),
                 projection,
                 origin,
-                forward: -origin.normalize(),
+                forward,
                 right: right * 0.6,
-                up: right.cross(-origin.normalize()) * 0.3,
+                up: right.cross(forward) * 0.3,
                 aspect: None,
             };
             let view = View { camera, width, height, show_environment: false };
