@@ -246,7 +246,7 @@ mod tests {
     #[test]
     fn lanes_read_what_one_point_reads() {
         let scene = scene();
-        let pyramids = Pyramids::new(&scene);
+        let pyramids = Pyramids::new(&scene, &kiln_formats::Control::default());
         let mut random = Random(11);
         for texture in 0..scene.textures.len() as u32 {
             for round in 0..12 {
