@@ -32,7 +32,7 @@ pub(super) fn square_difference(parts: &LeaveOneOut, display: &Display, opaque: 
 pub(super) fn square_error(parts: &LeaveOneOut, display: &Display, opaque: bool) -> f64 {
     let levels = |pixel: &[f64; 4]| display.levels(seen(*pixel, opaque));
     let whole = levels(&parts.mean);
-    parts.sum(|without| {
+    parts.sum_beyond_fireflies(|without| {
         let shown = levels(without);
         (0..3).map(|c| (shown[c] - whole[c]) * (shown[c] - whole[c])).sum::<f64>() / 3.0
     })

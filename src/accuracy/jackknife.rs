@@ -11,6 +11,8 @@ pub(super) struct LeaveOneOut {
     without: [[f64; 4]; MOST],
     weights: [f64; MOST],
     count: usize,
+    /// The share of a single bright sample in how the first two replicates differ, 0 to 1.
+    spiked: f64,
 }
 
 impl LeaveOneOut {
@@ -20,7 +22,8 @@ impl LeaveOneOut {
         let sums = pixel.replicate_sums();
         let total: [f64; 4] = std::array::from_fn(|c| sums.iter().map(|s| s[c]).sum());
         let n = f64::from(spp);
-        let mut result = Self { mean: total.map(|t| t / n), without: [[0.0; 4]; MOST], weights: [0.0; MOST], count: 0 };
+        let mut result =
+            Self { mean: total.map(|t| t / n), without: [[0.0; 4]; MOST], weights: [0.0; MOST], count: 0, spiked: 0.0 };
         let filled = spp.min(REPLICATES);
         for r in 0..filled {
             let own = f64::from(replicate_samples(spp, r));
@@ -31,6 +34,10 @@ impl LeaveOneOut {
             result.weights[k] = (n / own - 1.0) / f64::from(filled);
         }
         result.count = filled as usize;
+        if filled == 2 {
+            let [a, b] = result.first_two().map(|[r, g, b, _]| r + g + b);
+            result.spiked = (pixel.spike() / (0.5 * (a - b).abs())).min(1.0);
+        }
         result
     }
 
@@ -41,7 +48,20 @@ impl LeaveOneOut {
 
     /// Σ weight · `square`(picture without a replicate): the estimate of the expected square of (picture − converged) where
     /// `square` measures (picture without a replicate − picture)².
-    pub fn sum(&self, mut square: impl FnMut(&[f64; 4]) -> f64) -> f64 {
+    pub fn sum(&self, square: impl Fn(&[f64; 4]) -> f64) -> f64 {
         (0..self.count).map(|k| self.weights[k] * square(&self.without[k])).sum()
+    }
+
+    /// The same where `square` is bent. Where one bright sample (a firefly) is all the difference between two replicates, the converged
+    /// pixel is near the darker of them, and how far the brighter one is counts for nothing: on a screen both it and the whole may be
+    /// white.
+    pub fn sum_beyond_fireflies(&self, square: impl Fn(&[f64; 4]) -> f64) -> f64 {
+        let mean = self.sum(&square);
+        if !(self.spiked > 0.0) {
+            return mean;
+        }
+        let [a, b] = self.first_two().map(|[r, g, b, _]| r + g + b);
+        let towards_darker = square(&self.without[usize::from(b <= a)]);
+        mean + self.spiked * self.spiked * (towards_darker - mean)
     }
 }

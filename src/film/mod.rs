@@ -24,6 +24,8 @@ pub struct Picture {
 pub struct PixelSums {
     sums: [[f64; 4]; REPLICATES as usize],
     samples: u32,
+    /// Red, green and blue of the brightest sample, all three.
+    brightest: f32,
 }
 
 impl PixelSums {
@@ -32,6 +34,13 @@ impl PixelSums {
         self.samples = sample + 1;
         let sum = &mut self.sums[(sample % REPLICATES) as usize];
         (0..4).for_each(|c| sum[c] += f64::from(rgba[c]));
+        self.brightest = self.brightest.max(rgba[0] + rgba[1] + rgba[2]);
+    }
+
+    /// How much of the mean the brightest sample makes, beyond what a sample makes on average: sum of red, green and blue.
+    pub fn spike(&self) -> f64 {
+        let [r, g, b, _] = self.mean();
+        (f64::from(self.brightest) - (r + g + b)).max(0.0) / f64::from(self.samples.max(1))
     }
 
     /// Counts sample number `sample` as one that brought nothing.
