@@ -11,12 +11,11 @@ denoiser=$("$python" -c 'import importlib.util, os; print(os.path.dirname(import
 chmod +x "$denoiser"
 asset=$here/scenes/samples/kintsugi.glb
 options=(--width 128 --quiet --no-config --background '#ffffff')
-cd "$work"
-"$kiln" render "$asset" "${options[@]}" --spp 4 --denoise="$denoiser" -o few.png
-"$kiln" render "$asset" "${options[@]}" --spp 1024 --seed 1 -o many.png
-rmse() { "$kiln" compare "$1" many.png --json | "$python" -c 'import json, sys; print(json.load(sys.stdin)["rmse"])'; }
+"$kiln" render "$asset" "${options[@]}" --spp 4 --denoise="$denoiser" -o "$work/few.png"
+"$kiln" render "$asset" "${options[@]}" --spp 1024 --seed 1 -o "$work/many.png"
+rmse() { "$kiln" compare "$work/$1" "$work/many.png" --json | "$python" -c 'import json, sys; print(json.load(sys.stdin)["rmse"])'; }
 noisy=$(rmse few.png)
 denoised=$(rmse few.denoised.png)
 echo "RMS levels of 255 from the converged picture: $noisy with 4 samples, $denoised denoised"
 "$python" -c "import sys; sys.exit(not $denoised < 0.6 * $noisy)"
-grep -aq 'Open Image Denoise 2' few.denoised.png
+grep -aq 'Open Image Denoise 2' "$work/few.denoised.png"
