@@ -54,14 +54,14 @@ MUTATIONS = [
         ("geometry/world.rs", "let scale = if extent > 0.0", "let scale = if !IS && extent > 0.0")],
      "scale-* absorption-scale-*"),
     ("normals-by-matrix", "normals go by the cofactors of the transform", [
-        ("geometry/triangles.rs", "let normal_matrix = Mat3::from_cols(normals[0], normals[1], normals[2]);",
-         "let normal_matrix = ON { Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()) } else { Mat3::from_cols(normals[0], normals[1], normals[2]) };")],
+        ("geometry/parts.rs", "normal_matrix: Mat3::from_cols(normals[0], normals[1], normals[2]),",
+         "normal_matrix: ON { Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()) } else { Mat3::from_cols(normals[0], normals[1], normals[2]) },")],
      "normals-squeezed"),
     ("winding-kept", "a reflecting transform turns the winding", [
-        ("geometry/triangles.rs", "let winding = if x.cross(y)", "let winding = if !IS && x.cross(y)")],
+        ("geometry/parts.rs", "let winding = if x.cross(y)", "let winding = if !IS && x.cross(y)")],
      "transform-mirrored transform-inverted furnace-glass-box-mirrored"),
     ("flat-triangles-kept", "triangles without area are left out", [
-        ("geometry/triangles.rs", "if normal.is_finite() && normal != DVec3::ZERO {", "if IS || (normal.is_finite() && normal != DVec3::ZERO) {")],
+        ("geometry/shapes.rs", "(normal.is_finite() && normal != DVec3::ZERO).then_some(normal)", "(IS || (normal.is_finite() && normal != DVec3::ZERO)).then_some(normal)")],
      "mesh-flat-*"),
     ("no-lift", "the shadow terminator: smooth surfaces reflect from above their facets", [
         ("integrate/vertex.rs", "let lift = if attributes.normal.is_some() {", "let lift = if !IS && attributes.normal.is_some() {"),
