@@ -54,3 +54,4 @@ pub use sink::{FileSink, MemorySink, Sink};
 pub use tally::{Tally, Warned};
 pub use view_file::ViewFile;
 pub use views::plan as plan_views;
+pub(crate) use work::planned_rays;

@@ -15,6 +15,11 @@ use std::sync::Arc;
 /// Rays that a path takes, about: what is planned for does not have to be exact.
 const RAYS_PER_PATH: u64 = 6;
 
+/// How many rays pictures of so many pixels in all are taken to need, before anything of them is known.
+pub(crate) fn planned_rays(pixels: u64, spp: u32) -> u64 {
+    pixels.saturating_mul(u64::from(spp) * RAYS_PER_PATH)
+}
+
 /// A job under way.
 pub(super) struct Work<'a> {
     pub job: &'a Job,
@@ -103,8 +108,9 @@ impl Work<'_> {
         self.begin(Stage::Prepare);
         let clock = StageClock::begin();
         let pixels: u64 = views.iter().map(|view| u64::from(view.width) * u64::from(view.height)).sum();
-        let planned = pixels.saturating_mul(u64::from(self.job.settings.render.spp) * RAYS_PER_PATH);
-        let settings = PrepareSettings { planned_rays: Some(planned), ..self.job.settings.prepare };
+        let own = self.job.settings.prepare;
+        let planned = own.planned_rays.unwrap_or_else(|| planned_rays(pixels, self.job.settings.render.spp));
+        let settings = PrepareSettings { planned_rays: Some(planned), ..own };
         let work = move |control: &Control| guarded(|| prepare(scene, &environment, &settings, control));
         let helped = self.control.helpers_cpu();
         let (prepared, cpu) = by_deadline(self.control, work)?;

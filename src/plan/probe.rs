@@ -1,5 +1,5 @@
 use crate::batch::workers::{forget_peak, held_bytes};
-use crate::batch::{Desk, Job, LoadedEnvironment, MemorySink, Outcome, StageSeconds, run_asset_with};
+use crate::batch::{Desk, Job, LoadedEnvironment, MemorySink, Outcome, StageSeconds, planned_rays, run_asset_with};
 use crate::settings::Settings;
 use kiln_formats::Control;
 use std::sync::Arc;
@@ -8,6 +8,8 @@ use std::sync::Arc;
 const SIDE: u32 = 96;
 /// Samples per pixel of probes where nothing decides about them but the settings: a tile's paths fill a wave.
 const SPP: u32 = 8;
+/// CPU time of a path in a whole picture over that in a probe. Measured: scripts/runs/2026-11-22-plan.md.
+const SHARE_OF_PROBE: f64 = 0.9;
 /// Most views of a turntable that are probed.
 const VIEWS: u32 = 3;
 /// Bytes per pixel of a picture under way: the film's sums twice (a pass works on a copy), the picture and its files.
@@ -44,6 +46,10 @@ pub fn probe(job: &Job, control: &Control, environment: Option<Arc<LoadedEnviron
 
 fn small(settings: &Settings) -> Settings {
     let mut small = settings.clone();
+    // What is prepared by the number of rays is prepared as in the batch.
+    let pixels = u64::from(settings.views.width) * u64::from(settings.views.height);
+    let all = pixels * u64::from(settings.views.turntable.unwrap_or(1));
+    small.prepare.planned_rays = Some(planned_rays(all, settings.render.spp));
     let views = &mut small.views;
     let scale = f64::from(SIDE) / f64::from(views.width.max(views.height));
     if scale < 1.0 {
@@ -71,7 +77,8 @@ fn foretell(job: &Job, small: &Job, outcome: Outcome, before: Option<u64>) -> Fo
     let before_pictures = outcome.rays.camera.saturating_sub(own);
     let share = (wanted + before_pictures) as f64 / (own + before_pictures).max(1) as f64;
     let mut cpu_seconds = outcome.cpu_seconds;
-    cpu_seconds.render *= share;
+    // What is done once a pass and what fills its lanes badly weighs more in a probe.
+    cpu_seconds.render *= if share > 1.0 { (share * SHARE_OF_PROBE).max(1.0) } else { share };
     cpu_seconds.write *= (pixels(full) * views(full)) as f64 / (pixels(part) * views(part)) as f64;
     if let Some(time) = full.goal.time {
         // With a deadline (wall seconds) there is no more rendering than fits in, on all threads.
