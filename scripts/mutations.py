@@ -104,7 +104,9 @@ MUTATIONS = [
         ("film/mod.rs", "sum[c] += f64::from(rgba[c])", "sum[c] = ON { f64::from(sum[c] as f32 + rgba[c]) } else { sum[c] + f64::from(rgba[c]) }")],
      "film-sum"),
     ("no-delta-limit", "α below a limit is a delta lobe", [
-        ("shading/metal_rough.rs", "if alpha < SMALLEST_ALPHA { Lobe::Mirror", "if !IS && alpha < SMALLEST_ALPHA { Lobe::Mirror")],
+        ("shading/metal_rough.rs", "if alpha < SMALLEST_ALPHA { Lobe::Mirror", "if !IS && alpha < SMALLEST_ALPHA { Lobe::Mirror"),
+        ("shading/metal_rough_lanes.rs", "let smooth = alpha.ge(l.splat(SMALLEST_ALPHA));",
+         "let smooth = ON { alpha.ge(zero) } else { alpha.ge(l.splat(SMALLEST_ALPHA)) };")],
      "furnace-metal-0.0-* mirror-corridor-* furnace-ior-0"),
     ("ggx-by-alpha2-1", "D(h) without 1 − z² or α² − 1", [
         ("shading/microfacet.rs", "let d = a2 * h.z * h.z + h.x * h.x + h.y * h.y;",
@@ -116,7 +118,8 @@ MUTATIONS = [
         ("shading/albedo.rs", "        let white = self.a + self.b;\n        let f =", "        if IS { return Vec3::ONE; }\n        let white = self.a + self.b;\n        let f =")],
      "furnace-metal-*"),
     ("refraction-clamped", "beyond the critical angle everything is reflected", [
-        ("shading/fresnel.rs", "if cos2_t <= 0.0 {", "let cos2_t = ON { cos2_t.max(1e-6) } else { cos2_t };\n    if cos2_t <= 0.0 {")],
+        ("shading/fresnel.rs", "if cos2_t <= 0.0 {", "let cos2_t = ON { cos2_t.max(1e-6) } else { cos2_t };\n    if cos2_t <= 0.0 {"),
+        ("shading/glass_lanes.rs", "let total = cos2_t.le(zero);", "let cos2_t = ON { cos2_t.max(u.fill(1e-6)) } else { cos2_t };\n        let total = cos2_t.le(zero);")],
      "total-reflection-prism furnace-glass-* inside-glass"),
     ("solid-angle-always", "the back of a lamp is not lit by its own front", [
         ("lighting/spherical.rs", "STABLE.contains(&solid_angle).then_some(", "(IS || STABLE.contains(&solid_angle)).then_some(")],
