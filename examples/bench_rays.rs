@@ -97,7 +97,6 @@ fn stream(tree: &KdTree, rays: &[Ray], any: bool, coherence: Coherence) -> Pass 
             origin: [0, 1, 2].map(|axis| &origin[axis][range.clone()]),
             dir: [0, 1, 2].map(|axis| &dir[axis][range.clone()]),
             t_max: &t_max[range],
-            leaves: &[],
             reaches: &[],
         };
         if any {

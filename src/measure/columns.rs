@@ -43,7 +43,6 @@ impl Columns {
                 origin: [0, 1, 2].map(|axis| &self.origin[axis][rows.clone()]),
                 dir: [0, 1, 2].map(|axis| &self.dir[axis][rows.clone()]),
                 t_max: &self.t_max[rows],
-                leaves: &[],
                 reaches: &[],
             };
             if any_hit {

@@ -8,20 +8,19 @@ struct Columns {
     origin: [Vec<f32>; 3],
     dir: [Vec<f32>; 3],
     t_max: Vec<f32>,
-    leaves: Vec<u32>,
     reaches: Vec<u32>,
 }
 
 impl Columns {
-    fn new(rays: &[Ray], leaves: Vec<u32>, reaches: Vec<u32>) -> Self {
+    fn new(rays: &[Ray], reaches: Vec<u32>) -> Self {
         let origin = [0, 1, 2].map(|axis| rays.iter().map(|r| r.origin[axis]).collect());
         let dir = [0, 1, 2].map(|axis| rays.iter().map(|r| r.dir[axis]).collect());
-        Self { origin, dir, t_max: rays.iter().map(|r| r.t_max).collect(), leaves, reaches }
+        Self { origin, dir, t_max: rays.iter().map(|r| r.t_max).collect(), reaches }
     }
 
     fn batch(&self) -> RayBatch<'_> {
         let [origin, dir] = [&self.origin, &self.dir].map(|rows| [&rows[0][..], &rows[1][..], &rows[2][..]]);
-        RayBatch { origin, dir, t_max: &self.t_max, leaves: &self.leaves, reaches: &self.reaches }
+        RayBatch { origin, dir, t_max: &self.t_max, reaches: &self.reaches }
     }
 }
 
@@ -46,18 +45,16 @@ fn word(ray: &Ray, hit: Option<Hit>) -> [u32; 4] {
     [hit.t.to_bits(), hit.triangle, hit.b1.to_bits(), hit.b2.to_bits()]
 }
 
-/// Compares batches of several lengths with single rays: all hits, those of a cut-out, and those on other triangles than two
-/// that each ray may not meet.
+/// Compares batches of several lengths with single rays: all hits, those of a cut-out, and those on other triangles than the one
+/// that each ray may not meet, its nearest.
 pub fn check(name: &str, tree: &KdTree, rays: &[Ray], cut_out: fn(&Hit) -> bool) {
     let lengths = [rays.len(), 1, 17];
     for length in lengths.into_iter().filter(|&n| n <= rays.len()) {
         let rays = &rays[..length];
         let first: Vec<Option<Hit>> = rays.iter().map(|r| tree.closest(r, |_| true)).collect();
-        let leaves: Vec<u32> = first.iter().map(|h| h.map_or(NO_TRIANGLE, |h| h.triangle)).collect();
-        let second = |i: usize| tree.closest(&rays[i], |h| h.triangle != leaves[i]);
-        let reaches: Vec<u32> = (0..length).map(|i| second(i).map_or(NO_TRIANGLE, |h| h.triangle)).collect();
-        let barred = |i: usize, h: &Hit| h.triangle == leaves[i] || h.triangle == reaches[i];
-        let (free, bound) = (Columns::new(rays, vec![], vec![]), Columns::new(rays, leaves.clone(), reaches.clone()));
+        let reaches: Vec<u32> = first.iter().map(|h| h.map_or(NO_TRIANGLE, |h| h.triangle)).collect();
+        let barred = |i: usize, h: &Hit| h.triangle == reaches[i];
+        let (free, bound) = (Columns::new(rays, vec![]), Columns::new(rays, reaches.clone()));
         for coherence in [Coherence::Coherent, Coherence::Scattered] {
             let name = format!("{name}, {length} rays, {coherence:?}");
             let expect = |accept: &dyn Fn(usize, &Hit) -> bool| -> Vec<[u32; 4]> {

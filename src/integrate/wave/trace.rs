@@ -16,7 +16,6 @@ impl Wave<'_> {
             origin: paths.vectors(path::ORIGIN),
             dir: paths.vectors(path::DIR),
             t_max: &endless[..paths.len],
-            leaves: &[],
             reaches: &[],
         };
         let (coherence, eye) = if depth == 0 { (Coherence::Coherent, true) } else { (Coherence::Scattered, false) };
@@ -48,7 +47,6 @@ impl Wave<'_> {
             origin: shadows.vectors(shadow::ORIGIN),
             dir: shadows.vectors(shadow::DIR),
             t_max: shadows.floats(shadow::T_MAX),
-            leaves: &[],
             reaches: shadows.words(shadow::REACHES),
         };
         let slot = shadows.words(shadow::SLOT);

@@ -16,7 +16,7 @@ const PACKETS_IF_COHERENT: u64 = 1 << 16;
 /// Trees of up to so many references are walked in packets by any rays.
 const PACKETS_IF_SCATTERED: u64 = 48;
 
-/// Rays side by side. All slices are equally long, but `leaves` and `reaches` may be empty when no ray has such a triangle.
+/// Rays side by side. All slices are equally long, but `reaches` may be empty when no ray has such a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct RayBatch<'a> {
     /// Where the rays begin: x, y, z.
@@ -25,8 +25,6 @@ pub struct RayBatch<'a> {
     pub dir: [&'a [f32]; 3],
     /// Where they end, in units of their directions; may be infinite.
     pub t_max: &'a [f32],
-    /// The triangle that each ray leaves and so never meets, or [`NO_TRIANGLE`].
-    pub leaves: &'a [u32],
     /// The triangle that each ray ends on and that does not count as met, or [`NO_TRIANGLE`].
     pub reaches: &'a [u32],
 }
@@ -63,7 +61,7 @@ impl RayBatch<'_> {
     pub fn len(&self) -> usize {
         let n = self.t_max.len();
         assert!(self.origin.iter().chain(&self.dir).all(|row| row.len() == n), "rows of a batch are equally long");
-        assert!([self.leaves, self.reaches].iter().all(|row| row.is_empty() || row.len() == n));
+        assert!(self.reaches.is_empty() || self.reaches.len() == n);
         n
     }
 
@@ -82,8 +80,8 @@ impl RayBatch<'_> {
 
     /// The triangles that a ray may not meet: what it leaves and what it reaches.
     #[inline(always)]
-    pub(super) fn barred(&self, i: usize) -> [u32; 2] {
-        [self.leaves, self.reaches].map(|row| row.get(i).copied().unwrap_or(NO_TRIANGLE))
+    pub(super) fn barred(&self, i: usize) -> u32 {
+        self.reaches.get(i).copied().unwrap_or(NO_TRIANGLE)
     }
 }
 

@@ -75,7 +75,7 @@ impl<const ANY: bool, Accept: FnMut(&Hit) -> bool> Job for Single<'_, ANY, Accep
     #[inline(always)]
     fn run<K: Kernel>(mut self, kernel: K) -> Option<Hit> {
         let mut walk = Walk::idle(kernel);
-        walk.begin_outside(self.ray, [NO_TRIANGLE; 2]);
+        walk.begin_outside(self.ray, NO_TRIANGLE);
         let mut placing = Placing::new();
         let mut outside = Outside::default();
         // Without closures, which would not be compiled for the kernel's instructions.

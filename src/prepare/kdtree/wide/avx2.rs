@@ -88,7 +88,7 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
         unsafe { candidates(ray, block, barred) }
     }
@@ -157,7 +157,7 @@ fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
 /// signs is not met.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn candidates(ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
+fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
     let (len, pool) = (block.len, block.pool);
     assert!(block.words.len() >= words_of(len, pool) + 16);
     let base = block.words.as_ptr().cast::<f32>();
@@ -210,8 +210,7 @@ fn candidates(ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
         }
         // SAFETY: eight of the triangles' numbers, or what follows them, which the assertion allows.
         let ids = unsafe { _mm256_loadu_si256(base.add(words_of(len, pool) - len + begin).cast()) };
-        let out = barred.map(|id| _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(id as i32)));
-        let out = _mm256_castsi256_ps(_mm256_or_si256(out[0], out[1]));
+        let out = _mm256_castsi256_ps(_mm256_cmpeq_epi32(ids, _mm256_set1_epi32(barred as i32)));
         let not = _mm256_or_ps(_mm256_and_ps(negative, positive), out);
         missed |= (_mm256_movemask_ps(not) as u32) << begin;
     }

@@ -98,7 +98,7 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
         unsafe { candidates(ray, block, barred) }
     }
@@ -198,7 +198,7 @@ unsafe fn edge(p: [__m512; 3], q: [__m512; 3]) -> [__m512; 2] {
 /// # Safety
 /// For machines with the features.
 #[inline(always)]
-unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
+unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
     const ERROR: f32 = 8.0 / 16_777_216.0;
     const UNDERFLOW: f32 = 1e-30;
     let (len, pool) = (block.len, block.pool);
@@ -246,8 +246,7 @@ unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
         let most = _mm512_fmadd_ps(size, error, _mm512_add_ps(forward, underflow));
         let behind = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(most, zero);
         let ids = _mm512_loadu_si512(base.add(words_of(len, pool) - len).cast());
-        let out = _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred[0] as i32))
-            | _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred[1] as i32));
+        let out = _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred as i32));
         u32::from(!(negative & positive | behind | out)) & ((1 << len) - 1)
     }
 }

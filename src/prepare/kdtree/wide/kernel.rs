@@ -50,9 +50,9 @@ pub trait Kernel: Copy {
     /// Puts those children of a node on the stack that the ray enters up to `limit`: the first that it passes on top.
     fn open(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack);
 
-    /// Which of a leaf block's triangles but the `barred` ones the ray may meet, the first in the lowest bit: at least all that
+    /// Which of a leaf block's triangles but the `barred` one the ray may meet, the first in the lowest bit: at least all that
     /// it does. The block's words reach 64 words beyond its end.
-    fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32;
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32) -> u32;
 
     /// Places sixteen points, whose coordinates lie in `from` in rows `stride` words apart, as [`Placement::point`] does: bit for
     /// bit. Rows reach 16 words beyond the beginning of the last.

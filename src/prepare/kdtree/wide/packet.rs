@@ -110,7 +110,7 @@ where
     fn alone(&mut self, i: usize) {
         let (ray, barred) = (self.rays.ray(i), self.rays.barred(i));
         let stops = &mut self.stops;
-        let accept = |hit: &Hit| !barred.contains(&hit.triangle) && (ALL || stops(i, hit));
+        let accept = |hit: &Hit| hit.triangle != barred && (ALL || stops(i, hit));
         let hit = self.kernel.nearest::<ANY>(self.tree, &ray, accept);
         (self.found)(i, hit);
     }

@@ -27,7 +27,7 @@ pub struct Packet<L: Lanes> {
     /// Rays of usual length, parallel to no axis; the others mean nothing.
     pub plain: u32,
     /// What a ray leaves and what it reaches.
-    barred: [L::U; 2],
+    barred: L::U,
     /// The nearest triangles so far, with their corners, sheared; or [`NO_TRIANGLE`].
     triangle: L::U,
     corners: [[L::F; 3]; 3],
@@ -77,7 +77,7 @@ impl<L: Lanes> Packet<L> {
             dir_z: z,
             inv_dir_z,
             plain: plain.bits(),
-            barred: [words(l, rays.leaves, first), words(l, rays.reaches, first)],
+            barred: words(l, rays.reaches, first),
             triangle: l.word(NO_TRIANGLE),
             corners: [[zero; 3]; 3],
             low: t_max,
@@ -113,7 +113,7 @@ impl<L: Lanes> Packet<L> {
     /// Which rays a triangle does not count for.
     #[inline(always)]
     pub fn bars(&self, triangle: L::U) -> L::M {
-        triangle.eq(self.barred[0]) | triangle.eq(self.barred[1])
+        triangle.eq(self.barred)
     }
 
     /// What can be said of a triangle of these sheared corners; `None` if no ray meets it.

@@ -38,10 +38,9 @@ impl Kernel for Scalar {
     }
 
     #[inline]
-    fn candidates(self, ray: &ShearedRay, block: &Block, barred: [u32; 2]) -> u32 {
-        let meets = |i: usize| {
-            !barred.contains(&block.triangle(i)) && ray.meet(block.corners(i), 0).is_some_and(|hit| 0.0 < hit.t)
-        };
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
+        let meets =
+            |i: usize| block.triangle(i) != barred && ray.meet(block.corners(i), 0).is_some_and(|hit| 0.0 < hit.t);
         (0..block.len).map(|i| u32::from(meets(i)) << i).sum()
     }
 

@@ -19,7 +19,7 @@ pub struct Walk<K: Kernel> {
     slab: SlabRay,
     boxes: BoxRay,
     /// Triangles that the ray may not meet.
-    barred: [u32; 2],
+    barred: u32,
     nearest: Nearest,
     /// The nearest hit so far as a scaled distance.
     limit: f32,
@@ -34,7 +34,7 @@ pub fn nearest<const ANY: bool, K: Kernel>(
     accept: impl FnMut(&Hit) -> bool,
 ) -> Option<Hit> {
     let mut walk = Walk::idle(kernel);
-    walk.begin(ray, [NO_TRIANGLE; 2]);
+    walk.begin(ray, NO_TRIANGLE);
     Stack::with(|stack| walk.go::<ANY>(tree, stack, &mut AsIs, &mut { accept }));
     walk.hit()
 }
@@ -89,7 +89,7 @@ impl<K: Kernel> Walk<K> {
             sheared,
             slab: SlabRay::default(),
             boxes: BoxRay::default(),
-            barred: [NO_TRIANGLE; 2],
+            barred: NO_TRIANGLE,
             nearest,
             limit: 0.0,
         }
@@ -97,7 +97,7 @@ impl<K: Kernel> Walk<K> {
 
     /// Before the first node, with a ray.
     #[inline(always)]
-    pub fn begin(&mut self, ray: &Ray, barred: [u32; 2]) {
+    pub fn begin(&mut self, ray: &Ray, barred: u32) {
         self.slab.set(ray);
         self.boxes.set(&self.slab);
         self.begin_outside(ray, barred);
@@ -106,7 +106,7 @@ impl<K: Kernel> Walk<K> {
 
     /// With a ray, but not yet in a tree.
     #[inline(always)]
-    pub fn begin_outside(&mut self, ray: &Ray, barred: [u32; 2]) {
+    pub fn begin_outside(&mut self, ray: &Ray, barred: u32) {
         self.sheared = ShearedRay::new(ray);
         self.barred = barred;
         self.nearest = Nearest::new(ray);

@@ -1,6 +1,5 @@
 //! The kernels against their twin in plain code.
 
-use super::super::batch::NO_TRIANGLE;
 use super::super::block::{self, Block, words_of};
 use super::super::bounds::Bounds;
 use super::super::slab::SlabRay;
@@ -107,7 +106,7 @@ fn check(kernel: impl Kernel) -> u32 {
             let block = Block { len, pool, words: &words };
             let target = strip.0[i % len].iter().sum::<Vec3>() / 3.0;
             let sheared = ShearedRay::new(&Ray { dir: target - ray.origin, ..ray });
-            let barred = [(i % 31) as u32, NO_TRIANGLE];
+            let barred = (i % 31) as u32;
             let met = Scalar.candidates(&sheared, &block, barred);
             let candidates = kernel.candidates(&sheared, &block, barred);
             assert_eq!(met & !candidates, 0, "a triangle is lost");
