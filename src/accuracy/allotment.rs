@@ -5,6 +5,7 @@ use crate::integrate::Aim;
 use crate::sampling::{hash_combine, unit_float};
 use crate::settings::Adaptive;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Pixels to each side whose noise says how many samples a pixel gets.
 const RADIUS: usize = 3;
@@ -108,7 +109,7 @@ impl Octave {
             // Pixels that need the same do not all double their samples at once.
             let order = 1.0 + ORDER * f64::from(unit_float(hash_combine(SALT, pixel as u32)));
             let samples = noise[pixel].relative_to(&whole) / cost.sqrt() * order;
-            Need { covered: said[pixel].covered > 0.0, samples, cost }
+            Need { covered: said[pixel].covered > 0.0, samples: rounded(samples), cost }
         };
         Self { begin: octave_of(film.spp), pixels: (0..said.len()).map(need).collect() }
     }
@@ -116,18 +117,24 @@ impl Octave {
     /// The samples of each pixel when the average is `spp`.
     fn aims(&self, film: &Film, spp: u32, aims: &mut Vec<u32>) {
         let end = 2.0 * f64::from(self.begin);
-        let covered: Vec<(Need, u32)> =
-            self.pixels.iter().zip(&film.pixels).filter(|(n, _)| n.covered).map(|(n, p)| (*n, p.samples())).collect();
-        let wanted = |need: &Need, has: u32, factor: f64| {
-            let share = power_of_two((factor * need.samples).clamp(LEAST * end, MOST * end));
-            share.max(has)
+        let wanted = |samples: f64, has: u32, factor: f64| {
+            power_of_two((factor * samples).clamp(LEAST * end, MOST * end)).max(has)
         };
-        let budget: f64 = covered.iter().map(|(need, _)| need.cost).sum::<f64>() * f64::from(spp);
+        // Few classes, since needs are rounded: what pixels of a need and a number of samples cost together.
+        let mut classes: BTreeMap<(u64, u32), f64> = BTreeMap::new();
+        for (need, pixel) in self.pixels.iter().zip(&film.pixels).filter(|(need, _)| need.covered) {
+            *classes.entry((need.samples.to_bits(), pixel.samples())).or_default() += need.cost;
+        }
+        let budget = classes.values().sum::<f64>() * f64::from(spp);
         let cost = |factor: f64| -> f64 {
-            covered.iter().map(|(need, has)| need.cost * f64::from(wanted(need, *has, factor))).sum()
+            let class = |((samples, has), cost): (&(u64, u32), &f64)| {
+                cost * f64::from(wanted(f64::from_bits(*samples), *has, factor))
+            };
+            classes.iter().map(class).sum()
         };
-        let needs = || covered.iter().map(|(need, _)| need.samples);
-        let (least, greatest) = (needs().fold(f64::INFINITY, f64::min), needs().fold(0.0, f64::max));
+        // Positive numbers are in the order of their bits.
+        let need_of = |class: Option<(&(u64, u32), _)>| class.map_or(1.0, |((samples, _), _)| f64::from_bits(*samples));
+        let (least, greatest) = (need_of(classes.first_key_value()), need_of(classes.last_key_value()));
         // Between them all pixels go from the fewest samples to the most.
         let (mut low, mut high) = (LEAST * end / greatest, 2.0 * MOST * end / least);
         for _ in 0..STEPS {
@@ -135,11 +142,16 @@ impl Octave {
             if cost(middle) <= budget { low = middle } else { high = middle }
         }
         let aim = |need: &Need, has: u32| {
-            if need.covered { wanted(need, has, low) } else { power_of_two(LEAST * end).max(has) }
+            if need.covered { wanted(need.samples, has, low) } else { power_of_two(LEAST * end).max(has) }
         };
         aims.clear();
         aims.extend(self.pixels.iter().zip(&film.pixels).map(|(need, pixel)| aim(need, pixel.samples())));
     }
+}
+
+/// A positive number with six bits behind the first one: 1.6 % at most below.
+fn rounded(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & !((1 << 46) - 1))
 }
 
 /// The power of two that is nearest by its ratio to a number ≥ 1.
