@@ -267,6 +267,20 @@ mod tests {
     }
 
     #[test]
+    fn what_a_pixel_says_counts_for_its_neighbours_and_not_for_itself() {
+        let quiet = vec![Said { covered: 1.0, deviations: [1.0, 0.5] }; 20 * 20];
+        let mut spiked = quiet.clone();
+        let place = 7 * 20 + 9;
+        spiked[place].deviations = [1e6, 1e9];
+        let (before, after) = (around(&quiet, 20), around(&spiked, 20));
+        assert_eq!((after[place].covered, after[place].deviations), (48.0, before[place].deviations));
+        for (k, (a, b)) in after.iter().zip(&before).enumerate().filter(|(k, _)| *k != place) {
+            let near = (k % 20).abs_diff(9) <= RADIUS && (k / 20).abs_diff(7) <= RADIUS;
+            assert_eq!(near, a.deviations != b.deviations, "{k}");
+        }
+    }
+
+    #[test]
     fn pixels_alone_and_pictures_of_nothing_are_no_trouble() {
         let mut allotment = Allotment::new(Adaptive::Variance, display());
         let film = fill(&mut allotment, 1, &[16, 32, 64], |p, u| if p == 40 { [u, u, u, 1.0] } else { [0.0; 4] });

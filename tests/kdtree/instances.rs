@@ -5,8 +5,8 @@ use crate::batches;
 use crate::meshes::{self, Random, Soup};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use kiln::Control;
-use kiln::math::Placement;
 use kiln::math::simd::SimdTier;
+use kiln::math::{Placement, Ray};
 use kiln::prepare::kdtree::{BuildOptions, Instanced, KdTree, Placed, Triangles};
 use kiln::settings::KdTreeBuilder;
 
@@ -126,6 +126,31 @@ fn meshes_of_unusual_scale_and_place() {
         world.place(k % 4, &(map * to_origin));
     }
     world.check("scales", 1000);
+}
+
+/// Placed corners are rounded to f32: here by up to a hundredth of the mesh's size, so that triangles stick out of the cells that hold
+/// them in the mesh's coordinates.
+#[test]
+fn minute_placements_beside_the_origin() {
+    let mut random = Random(13);
+    let mut world = World::new(vec![meshes::sphere(2).soup(1.0, Vec3::ZERO), meshes::random_soup(40, 0.5, 4)]);
+    for k in 0..12 {
+        let map = some_map(&mut random, [1e-4, 1e-5, 3e-6][k % 3]);
+        let place = DVec3::new(0.9, -0.8, 0.7) + random.cube().as_dvec3() * 1e-4;
+        world.place(k % 2, &DAffine3 { translation: place, ..map });
+    }
+    let scene = Instanced { meshes: &world.meshes, placed: &world.placed, own: &world.own };
+    let aimed = |_| {
+        let at = world.all.0[random.below(world.all.len())][random.below(3)];
+        let origin = at + random.cube();
+        Ray { origin, dir: at - origin, t_max: f32::INFINITY }
+    };
+    let rays: Vec<Ray> = (0..4000).map(aimed).collect();
+    for simd in SimdTier::ALL.into_iter().filter(|&tier| tier <= SimdTier::detect()) {
+        let options = BuildOptions { builder: KdTreeBuilder::Sah, simd, ..BuildOptions::default() };
+        let tree = KdTree::build_instances(&scene, &options, &Control::default()).unwrap();
+        rays.iter().for_each(|ray| check_ray("minute", &tree, &world.all, ray));
+    }
 }
 
 #[test]
