@@ -1,5 +1,6 @@
-//! Decoding of image files, with limits, through the `image` crate.
+//! Decoding of image files, with limits, through the `image` crate, and `image_dds` for DDS.
 
+use crate::dds;
 use crate::scene::{Image, Pixels};
 use crate::{ErrorCode, ImportError};
 use image::error::LimitErrorKind;
@@ -68,6 +69,10 @@ fn out_of_memory(bytes: u64) -> ! {
 /// # Errors
 /// As [`decode`], without the limit.
 pub fn dimensions(bytes: &[u8], name: &str) -> Result<(u32, u32), ImportError> {
+    if dds::is_dds(bytes) {
+        let cut = || ImportError::new(ErrorCode::Invalid, "is a DDS image that is cut short").in_file(name);
+        return dds::dimensions(bytes).ok_or_else(cut);
+    }
     guarded(name, || open(bytes, name, u64::MAX).map(|(_, decoder)| decoder.dimensions()))
 }
 
@@ -81,7 +86,8 @@ pub fn dimensions(bytes: &[u8], name: &str) -> Result<(u32, u32), ImportError> {
 /// [`ErrorCode::TooLarge`] when the header claims more than `max_texels` (before anything is allocated),
 /// [`ErrorCode::Unsupported`] for other formats, [`ErrorCode::Invalid`] for corrupt data; the file is `name`.
 pub fn decode(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, ImportError> {
-    guarded(name, || decode_unguarded(bytes, name, max_texels))
+    let decode = if dds::is_dds(bytes) { dds::decode } else { decode_unguarded };
+    guarded(name, || decode(bytes, name, max_texels))
 }
 
 fn decode_unguarded(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, ImportError> {
@@ -187,7 +193,7 @@ mod tests {
 
     #[test]
     fn what_is_no_image_is_told_from_what_is_a_broken_one() {
-        for bytes in [&b""[..], b"BLENDER", b"\x76\x2f\x31\x01 an OpenEXR file"] {
+        for bytes in [&b""[..], b"BLENDER", b"8BPS\0\x01 a Photoshop file"] {
             assert_eq!(decode(bytes, "a.png", 1 << 20).unwrap_err().code, ErrorCode::Unsupported);
         }
         let sound = encode(&picture(), ImageFormat::Png);
@@ -207,6 +213,7 @@ mod tests {
             ImageFormat::WebP,
             ImageFormat::Gif,
             ImageFormat::Bmp,
+            ImageFormat::Pnm,
         ];
         let mut state = 12345_u32;
         let mut random = |n: usize| {

@@ -5,6 +5,7 @@
 
 mod contents;
 mod control;
+mod dds;
 mod error;
 pub mod gltf;
 pub mod images;

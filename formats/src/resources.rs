@@ -62,6 +62,11 @@ impl Resources {
         Ok(Self { folder, root, limits, read: Vec::new(), missing: Mutex::default() })
     }
 
+    /// The asset's file name without its ending, once it has been read.
+    pub fn asset_name(&self) -> Option<String> {
+        Some(self.read.first()?.path.file_stem()?.to_str()?.to_owned())
+    }
+
     /// The limits in force.
     pub fn limits(&self) -> &Limits {
         &self.limits

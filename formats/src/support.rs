@@ -19,6 +19,7 @@ fn note(extension: &str) -> &'static str {
         "KHR_materials_dispersion" => "paths go on with one wavelength each, bent by Cauchy's formula",
         "KHR_materials_variants" => "`--variant NAME`, or `all` for pictures of each",
         "KHR_texture_basisu" => "KTX2 with ETC1S or UASTC, Zstandard included",
+        "MSFT_texture_dds" => "BC1 to BC7 and uncompressed; used where a texture has no other source",
         _ => "",
     }
 }
@@ -38,6 +39,9 @@ pub fn markdown() -> String {
     );
     for name in extensions::SUPPORTED {
         let _ = writeln!(text, "| {name} | honoured | {} |", note(name));
+    }
+    for (name, missing) in extensions::SHOWN_WITHOUT {
+        let _ = writeln!(text, "| {name} | named in a warning | {missing} |");
     }
     for name in extensions::WITHOUT_EFFECT {
         let _ = writeln!(text, "| {name} | no effect on pictures | |");
@@ -68,8 +72,9 @@ pub fn markdown() -> String {
          | `--ray-ambient` | path tracing with the ambient term as emission |\n\
          | `--ray-opaque-glass` | glass blocks the light of lamps |\n\n\
          ## Images\n\n\
-         PNG, JPEG, WebP, TIFF, TGA, BMP, GIF (its first frame) and Radiance HDR, with 8 or 16 bits or as floats; KTX2 as\n\
-         above. EXR and HDR as environments. AVIF and DDS are not decoded: textures fall back on their other source.\n",
+         PNG, JPEG, WebP, TIFF, TGA, BMP, GIF (its first frame), PPM and its kin, Radiance HDR and EXR, with 8 or 16 bits or as\n\
+         floats; DDS with BC1 to BC7 or uncompressed (the largest picture); KTX2 as above. AVIF is not decoded (no decoder without C\n\
+         code has been proven on hostile files yet): textures fall back on their other source.\n",
     );
     text
 }

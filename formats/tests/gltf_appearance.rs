@@ -178,7 +178,7 @@ fn an_image_that_cannot_be_had_is_a_warning() {
     for (image, code) in [
         (json!({"uri": "nowhere.png"}), "missing-texture"),
         (json!({"uri": "../../../etc/passwd"}), "missing-texture"),
-        (json!({"uri": "data:image/png;base64,AAAA"}), "broken-texture"),
+        (json!({"uri": "data:image/png;base64,AAAA"}), "unsupported-texture"),
         (json!({"uri": "data:image/png;base64,%%%"}), "missing-texture"),
         (json!({"uri": "%FF.png"}), "missing-texture"),
         (json!({"bufferView": 77}), "missing-texture"),

@@ -304,6 +304,17 @@ fn basis_textures_give_their_texels() {
 }
 
 #[test]
+fn other_textures_in_that_container_are_named_by_their_format() {
+    let mut plain = ktx2(4, 4, &[[1; 4]], false);
+    plain[12..16].copy_from_slice(&37u32.to_le_bytes());
+    plain[116] = 1;
+    let (scene, warnings) = textured(&plain).import().unwrap();
+    assert!(scene.images.is_empty());
+    assert_eq!(warnings[0].code, "unsupported-texture");
+    assert!(warnings[0].message.contains("R8G8B8A8_UNORM"), "{warnings:?}");
+}
+
+#[test]
 fn basis_textures_that_claim_too_much_are_left_out_or_refused() {
     let mut claim = ktx2(4, 4, &[[1; 4]], true);
     claim[20..24].copy_from_slice(&60_000u32.to_le_bytes());

@@ -231,6 +231,11 @@ fn libraries_are_found_by_their_names() {
     assert_eq!(codes(&missing), ["missing-material-library"]);
     let names: Vec<&str> = missing.scene.materials.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["red", "green", "blue"]);
+    std::fs::write(asset.join("asset.mtl"), "newmtl RED\nKd 1 0 0\nnewmtl green\nnewmtl blue").unwrap();
+    let renamed = import_in(folder.path(), &format!("mtllib gone.mtl\n{faces}"), "");
+    assert_eq!(codes(&renamed), ["missing-material-library"]);
+    let names: Vec<&str> = renamed.scene.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["RED", "green", "blue"], "of the file that has the asset's name, in any case");
     let unknown = import_in(folder.path(), &format!("mtllib my red.mtl\n{faces}"), "");
     assert_eq!(codes(&unknown), ["missing-material", "missing-material"]);
 }

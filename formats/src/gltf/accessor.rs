@@ -68,6 +68,19 @@ impl<'a> Accessors<'a> {
         Err(invalid(format!("/accessors/{index}/count"), format!("claims {count} elements and stores {stored}")))
     }
 
+    /// The largest number that an accessor of unsigned integers can hold.
+    pub(super) fn largest(&self, index: usize) -> Option<u32> {
+        match self.root.accessors.get(index)?.component_type {
+            Checked::Valid(component) => match component.0 {
+                ComponentType::U8 => Some(u8::MAX.into()),
+                ComponentType::U16 => Some(u16::MAX.into()),
+                ComponentType::U32 => Some(u32::MAX),
+                _ => None,
+            },
+            Checked::Invalid => None,
+        }
+    }
+
     /// Whether the elements have so many components.
     pub(super) fn has_components(&self, index: usize, n: usize) -> bool {
         let kind = self.root.accessors.get(index).map(|a| a.type_);
@@ -107,6 +120,24 @@ impl<'a> Accessors<'a> {
         self.read(index, (accessor, component, kind), select, [0; N], |layout, select| {
             layout.integers(component, select)
         })
+    }
+
+    /// Reads joint numbers. Some exporters write them as floats.
+    ///
+    /// # Errors
+    /// As [`Accessors::integers`].
+    pub(super) fn joints(
+        &self,
+        index: usize,
+        select: Option<&[u32]>,
+        from: &dyn Fn() -> String,
+    ) -> Result<Vec<[u32; 4]>, ImportError> {
+        let (_, component, _) = self.get(index, from)?;
+        if component != ComponentType::F32 {
+            return self.integers(index, select, from);
+        }
+        let whole = |x: f32| if x >= 0.0 && x.fract() == 0.0 { x as u32 } else { u32::MAX };
+        Ok(self.floats::<4>(index, select, from)?.into_iter().map(|joints| joints.map(whole)).collect())
     }
 
     fn read<const N: usize, T: Copy>(

@@ -48,7 +48,13 @@ fn decode_unguarded(bytes: &[u8], max_texels: u64) -> Result<Image, ImportError>
     let (width, height) = (header.pixel_width, header.pixel_height);
     let unsupported = |what: &str| ImportError::new(ErrorCode::Unsupported, format!("is a KTX2 file {what}"));
     if !matches!(reader.color_model(), Some(ColorModel::ETC1S | ColorModel::UASTC)) {
-        return Err(unsupported("without Basis Universal data of the kinds that glTF uses (ETC1S, UASTC)"));
+        let format = header.format.map_or_else(
+            || reader.color_model().map_or_else(|| "an unknown format".to_owned(), |model| format!("{model:?}")),
+            |format| format!("{format:?}"),
+        );
+        return Err(unsupported(&format!(
+            "of {format}, not of the data that glTF uses (Basis Universal: ETC1S, UASTC)"
+        )));
     }
     if height == 0 || header.pixel_depth > 1 || header.layer_count > 1 || header.face_count != 1 {
         return Err(unsupported("of an array, a cube or another kind that is no two-dimensional texture"));

@@ -3,6 +3,7 @@
 //! The crate's own validation and accessor methods panic on bad input, so only its plain data types are used, element
 //! by element: what cannot be read names its JSON pointer, and what is not needed for the geometry may be missing.
 
+use super::prune;
 use super::report::Report;
 use crate::{ErrorCode, ImportError, Place};
 use gltf::json;
@@ -35,7 +36,10 @@ pub(super) fn check_version(document: &Value) -> Result<(), ImportError> {
         return Err(invalid("/asset", "gives no version"));
     };
     let number = |value: &Value| {
-        let (major, minor) = value.as_str()?.split_once('.')?;
+        // `"2"` and `2.0` are what some write by hand.
+        let text = value.as_f64().map(|x| x.to_string());
+        let text = text.as_deref().or(value.as_str())?;
+        let (major, minor) = text.split_once('.').unwrap_or((text, "0"));
         Some((major.parse::<u32>().ok()?, minor.parse::<u32>().ok()?))
     };
     match number(version) {
@@ -193,8 +197,11 @@ fn lenient<T: DeserializeOwned>(
     report: &mut Report,
 ) -> Result<Vec<T>, ImportError> {
     let mut parse = |(i, item)| {
-        serde_json::from_value(item).unwrap_or_else(|e| {
-            report.warn("invalid-object", format!("/{name}/{i}"), format!("{e}; it is left out"));
+        let mut lost = |pointer: String, why: String| {
+            report.warn("invalid-object", format!("/{name}/{i}{pointer}"), format!("{why}; it is left out"));
+        };
+        prune::read(item, &mut lost).unwrap_or_else(|e| {
+            lost(String::new(), e.to_string());
             instead()
         })
     };

@@ -17,6 +17,7 @@ mod document;
 mod draco;
 pub(crate) mod extensions;
 mod glossiness;
+mod habits;
 mod instancing;
 mod layers;
 mod layout;
@@ -27,6 +28,7 @@ mod meshopt;
 mod nodes;
 mod pose;
 mod primitive;
+mod prune;
 mod references;
 mod report;
 mod textures;
@@ -87,6 +89,7 @@ fn read(
     extensions::check(&json, report)?;
     *contents = contents::of(&json);
     document::normalize(&mut json);
+    habits::mend(&mut json, report);
     if let Some(variant) = &show.variant {
         variants::apply(&mut json, variant)?;
     }
@@ -102,6 +105,7 @@ fn read(
     }
     let local = nodes::local_transforms(&json, report);
     let materials = Materials::reading(uv_sets::of_materials(&json));
+    pose::warn_about_other_targets(&json, report);
     let mut root = document::read(&mut json, storage, report)?;
     drop(json);
     let hierarchy = nodes::compose(&root, &local, resources.limits().max_nesting)?;

@@ -98,7 +98,9 @@ pub(super) fn compose(root: &json::Root, local: &[DAffine3], max_nesting: u32) -
 }
 
 fn shown(root: &json::Root, roots: &[usize]) -> Result<Vec<usize>, ImportError> {
-    let index = root.scene.map_or(0, |s| s.value());
+    // Without a default, the first scene that has anything in it.
+    let first = || root.scenes.iter().position(|scene| !scene.nodes.is_empty()).unwrap_or(0);
+    let index = root.scene.map_or_else(first, |s| s.value());
     let mut stack: Vec<usize> = match root.scenes.get(index) {
         Some(scene) => {
             let out = |i: &json::Index<json::Node>| i.value() >= root.nodes.len();

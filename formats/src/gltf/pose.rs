@@ -74,6 +74,24 @@ fn affine(m: &[f32; 16]) -> DAffine3 {
     DAffine3::from_mat3_translation(DMat3::from_cols_array(&[a, b, c, d, e, f, g, h, i]), DVec3::new(x, y, z))
 }
 
+/// Says so where morph targets change what is not morphed: colours and texture coordinates.
+pub(super) fn warn_about_other_targets(document: &serde_json::Value, report: &mut Report) {
+    for (m, mesh) in document.get("meshes").and_then(|v| v.as_array()).into_iter().flatten().enumerate() {
+        let primitives = mesh.get("primitives").and_then(|v| v.as_array());
+        for (p, primitive) in primitives.into_iter().flatten().enumerate() {
+            let targets = primitive.get("targets").and_then(|v| v.as_array());
+            for (t, target) in targets.into_iter().flatten().enumerate() {
+                for name in target.as_object().into_iter().flat_map(|o| o.keys()) {
+                    if name.starts_with("COLOR_") || name.starts_with("TEXCOORD_") {
+                        let place = format!("/meshes/{m}/primitives/{p}/targets/{t}/{name}");
+                        report.warn("morph-ignored", place, "colours and texture coordinates are not morphed");
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Adds the weighted morph targets to positions, normals and tangents.
 ///
 /// # Errors
@@ -139,7 +157,7 @@ pub(super) fn skin(
         if accessors.count(j, &joints_at)? != target.count || accessors.count(w, &weights_at)? != target.count {
             return Ok(false);
         }
-        let indices = accessors.integers::<4>(j, target.select, &joints_at)?;
+        let indices = accessors.joints(j, target.select, &joints_at)?;
         let weights = accessors.floats::<4>(w, target.select, &weights_at)?;
         for ((blend, indices), weights) in blends.iter_mut().zip(&indices).zip(&weights) {
             for (index, weight) in indices.iter().zip(weights).filter(|(_, w)| **w != 0.0) {

@@ -125,9 +125,13 @@ impl Reader<'_, '_> {
         place: &str,
     ) -> Result<Vec<[u32; 3]>, ImportError> {
         let indices_at = || format!("{place}/indices");
+        let mut restart = None;
         let indices: Vec<u32> = match primitive.indices {
             Some(index) => {
                 self.accessors.check_backed(index.value(), &indices_at)?;
+                // The largest value of an index type restarts a strip in graphics hardware. glTF forbids it, and an extension
+                // allows it; where there are so many vertices it is one of them.
+                restart = self.accessors.largest(index.value()).filter(|largest| *largest as usize >= count);
                 self.accessors.integers::<1>(index.value(), None, &indices_at)?.into_flattened()
             }
             // `count` fits 32 bits.
@@ -137,7 +141,7 @@ impl Reader<'_, '_> {
             let message = format!("{} corners are no whole triangles; the last are left out", indices.len());
             self.report.warn("incomplete-triangle", place, message);
         }
-        let mut triangles = triangles::assemble(mode, &indices).unwrap_or_default();
+        let mut triangles = triangles::assemble_pieces(mode, &indices, restart).unwrap_or_default();
         drop(indices);
         let dropped = triangles::drop_out_of_range(&mut triangles, count);
         if dropped > 0 && triangles.is_empty() {

@@ -11,7 +11,6 @@ use gltf::json::texture::{MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::Cursor;
 
 /// Textures asked for so far. Their numbers are provisional until [`Textures::load`].
 #[derive(Default)]
@@ -89,7 +88,9 @@ impl Textures {
                 }
                 Err(error) if error.code == ErrorCode::Stopped => return Err(error),
                 Err(error) => {
-                    report.warn("broken-texture", format!("/images/{image}"), error.message);
+                    let unsupported = error.code == ErrorCode::Unsupported;
+                    let code = if unsupported { "unsupported-texture" } else { "broken-texture" };
+                    report.warn(code, format!("/images/{image}"), error.message);
                     None
                 }
             });
@@ -115,9 +116,15 @@ fn source<'a>(root: &'a json::Root, texture: usize, report: &mut Report) -> Opti
         let extension = source.extensions.as_ref()?.others.get(name)?;
         usize::try_from(extension.get("source")?.as_u64()?).ok()
     };
-    let candidates = [other("EXT_texture_webp"), other("KHR_texture_basisu"), Some(source.source.value())];
+    let extensions = ["EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"].map(other);
+    let candidates = [extensions[0], extensions[1], Some(source.source.value()), extensions[2]];
     let Some(index) = candidates.into_iter().flatten().find(|i| *i < root.images.len()) else {
-        report.warn("missing-texture", place(), "names no image that can be read; its inputs go without it");
+        if other("EXT_texture_avif").is_some() {
+            let message = "its only image is AVIF, which is not decoded; its inputs go without it";
+            report.warn("unsupported-texture", place(), message);
+        } else {
+            report.warn("missing-texture", place(), "names no image that can be read; its inputs go without it");
+        }
         return None;
     };
     let image = root.images.get(index)?;
@@ -162,9 +169,7 @@ fn stated_texels(bytes: &[u8]) -> u64 {
     if basisu::is_ktx2(bytes) {
         return basisu::stated_texels(bytes);
     }
-    let reader = image::ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-    let size = reader.ok().and_then(|r| r.into_dimensions().ok());
-    size.map_or(0, |(w, h)| u64::from(w) * u64::from(h))
+    images::dimensions(bytes, "").map_or(0, |(w, h)| u64::from(w) * u64::from(h))
 }
 
 fn name(root: &json::Root, index: usize) -> String {

@@ -26,6 +26,20 @@ pub(super) fn assemble(mode: Mode, indices: &[u32]) -> Option<Vec<[u32; 3]>> {
     }
 }
 
+/// As [`assemble`], with strips and fans that begin anew behind each index `restart`, where there is such a number.
+pub(super) fn assemble_pieces(mode: Mode, indices: &[u32], restart: Option<u32>) -> Option<Vec<[u32; 3]>> {
+    match restart.filter(|r| matches!(mode, Mode::TriangleStrip | Mode::TriangleFan) && indices.contains(r)) {
+        None => assemble(mode, indices),
+        Some(restart) => indices.split(|i| *i == restart).map(|piece| assemble(mode, piece)).try_fold(
+            Vec::new(),
+            |mut all, piece| {
+                all.extend(piece?);
+                Some(all)
+            },
+        ),
+    }
+}
+
 /// How many triangles a primitive of so many indices has at most.
 pub(super) fn upper_bound(mode: Mode, indices: usize) -> u64 {
     let n = indices as u64;
@@ -74,6 +88,15 @@ mod tests {
         assert_eq!(assemble(Mode::TriangleStrip, &[0, 1]), Some(vec![]));
         assert_eq!(assemble(Mode::TriangleFan, &[]), Some(vec![]));
         assert_eq!(assemble(Mode::LineStrip, &[0, 1, 2]), None);
+    }
+
+    #[test]
+    fn strips_and_fans_begin_anew_where_they_are_told() {
+        let strip = assemble_pieces(Mode::TriangleStrip, &[0, 1, 2, 255, 3, 4, 5, 6], Some(255));
+        assert_eq!(strip, Some(vec![[0, 1, 2], [3, 4, 5], [4, 6, 5]]));
+        let fan = assemble_pieces(Mode::TriangleFan, &[0, 1, 2, 255, 3, 4, 5], Some(255));
+        assert_eq!(fan, Some(vec![[1, 2, 0], [4, 5, 3]]));
+        assert_eq!(assemble_pieces(Mode::Triangles, &[0, 1, 255], Some(255)), Some(vec![[0, 1, 255]]));
     }
 
     #[test]

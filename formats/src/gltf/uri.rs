@@ -23,21 +23,41 @@ pub(super) fn load(uri: &str, resources: &mut Resources) -> Result<Vec<u8>, Impo
     }
     let decoded =
         percent_decode_str(uri).decode_utf8().map_err(|_| invalid("the URI's percent encoding is not UTF-8"))?;
-    match resources.read(&decoded) {
-        // Exporters that forget to encode write names with a literal '%'.
-        Err(error) if error.code == ErrorCode::Io && decoded != uri => resources.read(uri).map_err(|_| error),
-        result => result,
-    }
+    let first = match resources.read(&decoded) {
+        Err(error) if matches!(error.code, ErrorCode::Io | ErrorCode::Refused) => error,
+        result => return result,
+    };
+    // Exporters that forget to encode write names with a literal '%'. Web pages append queries. Names of files on the
+    // author's own disk, and folders that got lost, leave the name itself, which may lie beside the asset.
+    let without_query = decoded.split(['?', '#']).next().unwrap_or_default();
+    let last = without_query.rsplit(['/', '\\']).next().unwrap_or_default();
+    let others = [uri, without_query, last];
+    let found = others.into_iter().filter(|name| *name != decoded).find(|name| resources.resolve(name).is_ok());
+    found.map_or(Err(first), |name| resources.read(name))
 }
 
 fn invalid(message: impl Into<String>) -> ImportError {
     ImportError::new(ErrorCode::Invalid, message)
 }
 
+/// Base64 as people write it into URIs: broken into lines, with percent encodings, or with the characters meant for URLs.
+fn base64(body: &[u8]) -> Result<Vec<u8>, base64::DecodeError> {
+    let first = match LENIENT.decode(body) {
+        Ok(bytes) => return Ok(bytes),
+        Err(error) => error,
+    };
+    let plain = percent_decode(body).filter(|b| !b.is_ascii_whitespace()).map(|b| match b {
+        b'-' => b'+',
+        b'_' => b'/',
+        b => b,
+    });
+    LENIENT.decode(plain.collect::<Vec<u8>>()).map_err(|_| first)
+}
+
 fn decode(data: &str) -> Result<Vec<u8>, ImportError> {
     let (head, body) = data.split_once(',').ok_or_else(|| invalid("the data URI has no comma"))?;
     if head.rsplit(';').next().is_some_and(|last| last.eq_ignore_ascii_case("base64")) {
-        LENIENT.decode(body).map_err(|e| invalid(format!("the data URI is not base64: {e}")))
+        base64(body.as_bytes()).map_err(|e| invalid(format!("the data URI is not base64: {e}")))
     } else {
         Ok(percent_decode(body.as_bytes()).collect())
     }

@@ -45,15 +45,34 @@ impl Libraries {
                 match read(&name, resources) {
                     Ok((file, bytes)) => libraries.add(&file, bytes, log),
                     Err(error) if error.code == ErrorCode::TooLarge => return Err(error),
-                    Err(error) => {
-                        libraries.complete = false;
-                        let message = || format!("{error}; its materials are shown in grey");
-                        log.warn("missing-material-library", line, message);
-                    }
+                    Err(error) => libraries.instead(&error, *line, resources, log)?,
                 }
             }
         }
         Ok(libraries)
+    }
+
+    /// Takes the library that has the name of the OBJ file for one that is missing: files get renamed together.
+    fn instead(
+        &mut self,
+        error: &ImportError,
+        line: u32,
+        resources: &mut Resources,
+        log: &mut Log,
+    ) -> Result<(), ImportError> {
+        let name = resources.asset_name().map(|name| format!("{name}.mtl"));
+        match name.as_deref().map(|name| read(name, resources)) {
+            Some(Ok((file, bytes))) => {
+                log.warn("missing-material-library", line, || format!("{error}; {file} is read instead"));
+                self.add(&file, bytes, log);
+            }
+            Some(Err(error)) if error.code == ErrorCode::TooLarge => return Err(error),
+            _ => {
+                self.complete = false;
+                log.warn("missing-material-library", line, || format!("{error}; its materials are shown in grey"));
+            }
+        }
+        Ok(())
     }
 
     fn add(&mut self, file: &str, bytes: Vec<u8>, log: &mut Log) {
@@ -70,10 +89,14 @@ impl Libraries {
         }
     }
 
-    /// The material of that name, or of the name without a comment behind it.
+    /// The material of that name, of the name without a comment behind it, or the only one whose name differs in case alone.
     pub(super) fn get(&self, name: &str) -> Option<&Mtl> {
         let uncommented = || name.split(" #").next().map(str::trim_end);
-        self.by_name.get(name).or_else(|| self.by_name.get(uncommented()?))
+        let alike = || {
+            let mut alike = self.by_name.iter().filter(|(known, _)| known.eq_ignore_ascii_case(name));
+            alike.next().filter(|_| alike.next().is_none()).map(|(_, mtl)| mtl)
+        };
+        self.by_name.get(name).or_else(|| self.by_name.get(uncommented()?)).or_else(alike)
     }
 }
 

@@ -139,7 +139,7 @@ impl Parser<'_, '_> {
             "illum" => set(&mut m.illumination, number(operands).map(|x| x as u32)),
             "map_kd" => set(&mut m.diffuse_map, map()),
             "map_ks" => set(&mut m.specular_map, map()),
-            "map_ke" => set(&mut m.emission_map, map()),
+            "map_ke" | "map_emissive" => set(&mut m.emission_map, map()),
             "map_d" | "map_opacity" => set(&mut m.dissolve_map, map()),
             "map_pr" => set(&mut m.roughness_map, map()),
             "map_pm" => set(&mut m.metallic_map, map()),
