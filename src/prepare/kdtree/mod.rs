@@ -14,6 +14,7 @@ mod built;
 mod clip;
 mod cpu;
 mod instances;
+mod judge;
 mod leaves;
 mod median;
 mod mesh_tree;
