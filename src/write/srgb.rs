@@ -4,7 +4,27 @@
 pub fn encode(linear: f32) -> f32 {
     // `max` first: it turns NaN into 0.
     let x = linear.max(0.0).min(1.0);
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::powf(x, 1.0 / 2.4) - 0.055 }
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * five_twelfths(x) - 0.055 }
+}
+
+/// x^(1/2.4) of 0.003 to 1, to some 3e-7: the fourth root times the sixth one. A general power takes several times as long, and errors
+/// of pictures are measured through this curve.
+#[inline]
+fn five_twelfths(x: f32) -> f32 {
+    let root = x.sqrt();
+    root.sqrt() * cube_root(root)
+}
+
+/// The cube root of a positive, normal number: a third of the exponent, then twice Halley's step, each of which has thrice as many
+/// right digits.
+#[inline]
+fn cube_root(x: f32) -> f32 {
+    let guess = f32::from_bits(x.to_bits() / 3 + 0x2a51_19f2);
+    let step = |y: f32| {
+        let cube = y * y * y;
+        y * ((cube + 2.0 * x) / (2.0 * cube + x))
+    };
+    step(step(guess))
 }
 
 /// The encoded value in [0, 1] to linear light in [0, 1]. Values outside are clamped, NaN becomes 0.
@@ -31,6 +51,17 @@ mod tests {
         }
         assert_eq!(encode(f32::NAN), 0.0);
         assert_eq!((encode(-1.0), encode(7.0)), (encode(0.0), encode(1.0)));
+    }
+
+    #[test]
+    fn the_curve_is_that_of_double_precision() {
+        let mut worst = 0.0f64;
+        for k in 0..200_000 {
+            let x = libm::exp(f64::from(k) / 200_000.0 * libm::log(319.0)) / 319.0;
+            let want = libm::pow(f64::from(x as f32), 1.0 / 2.4) * 1.055 - 0.055;
+            worst = worst.max((f64::from(encode(x as f32)) - want).abs());
+        }
+        assert!(worst < 3.5e-7, "{worst}");
     }
 
     #[test]
