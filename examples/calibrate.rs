@@ -1,10 +1,11 @@
 //! Does the stated error hold? Renders assets with many seeds and compares the error that each picture states with the
 //! one that it has.
 //!
-//! `calibrate ASSET… [--size N] [--seeds N] [--most SPP] [--csv FILE]`
+//! `calibrate ASSET… [--size N] [--seeds N] [--most SPP] [--converged SPP] [--csv FILE]`
 //!
 //! The converged picture that a render is compared with is the mean of all other seeds' samples, so that it costs
-//! nothing; what noise that has itself is taken off. Each seed is rendered once, and looked at where it first states an error
+//! nothing, or with `--converged` one with so many samples of a seed of its own, for assets that converge slowly; what noise
+//! that has itself is taken off. Each seed is rendered once, and looked at where it first states an error
 //! at or below 8, 4 and 2 (as `--error` would stop there) and at 16 and 64 samples per pixel.
 #![allow(clippy::disallowed_methods, reason = "no pixel depends on this arithmetic")]
 
@@ -25,11 +26,12 @@ struct Options {
     size: u32,
     seeds: u64,
     most: u32,
+    converged: Option<u32>,
     csv: Option<PathBuf>,
 }
 
 fn options() -> Result<Options, String> {
-    let mut options = Options { assets: Vec::new(), size: 64, seeds: 50, most: 256, csv: None };
+    let mut options = Options { assets: Vec::new(), size: 64, seeds: 50, most: 256, converged: None, csv: None };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
@@ -38,6 +40,7 @@ fn options() -> Result<Options, String> {
             "--size" => options.size = number(value()?)?,
             "--seeds" => options.seeds = number(value()?)?.into(),
             "--most" => options.most = number(value()?)?,
+            "--converged" => options.converged = Some(number(value()?)?),
             "--csv" => options.csv = Some(value()?.into()),
             _ => options.assets.push(word.into()),
         }
@@ -72,7 +75,8 @@ fn main() -> Result<(), String> {
             }
         };
         let clock = cpu_time::ProcessTime::now();
-        let rows = trial::run(&name, &ready, options.seeds, options.most).map_err(|e| e.to_string())?;
+        let rows =
+            trial::run(&name, &ready, (options.seeds, options.most), options.converged).map_err(|e| e.to_string())?;
         report::asset(&name, &rows, clock.elapsed().as_secs_f64());
         all.extend(rows);
         // As one goes: a run that is cut short leaves what it did.

@@ -68,28 +68,66 @@ fn render(scene: &PreparedScene, view: &View, seed: u64, most: u32, display: Dis
     }
 }
 
-/// All looks at renders with the seeds from 1.
-pub fn run(asset: &str, ready: &Ready, seeds: u64, most: u32) -> Result<Vec<Row>, Stopped> {
+/// What renders are compared with: a picture for each seed, and the squared errors that it has itself.
+struct Converged {
+    picture: Box<dyn Fn(usize) -> Vec<[f64; 4]>>,
+    error: f64,
+    relmse: f64,
+}
+
+impl Converged {
+    /// The mean of all seeds but one.
+    fn others(rendered: &[Seed]) -> Self {
+        let samples: f64 = rendered.iter().map(|s| f64::from(s.spp)).sum();
+        let pixels = rendered.first().map_or(0, |s| s.means.len());
+        let sum = |p: usize, c: usize| rendered.iter().map(|s| s.means[p][c] * f64::from(s.spp)).sum::<f64>();
+        let sums: Vec<[f64; 4]> = (0..pixels).map(|p| std::array::from_fn(|c| sum(p, c))).collect();
+        let own: Vec<Vec<[f64; 4]>> = rendered.iter().map(|s| s.means.clone()).collect();
+        let spp: Vec<f64> = rendered.iter().map(|s| f64::from(s.spp)).collect();
+        // Squared errors fall at least as fast as the number of samples; replicates of all seeds are independent.
+        let noise = |get: fn(&Accuracy) -> f64| {
+            let n = rendered.len() as f64;
+            rendered.iter().map(|s| get(&s.last)).sum::<f64>() / n / (n - 1.0)
+        };
+        let picture = move |k: usize| {
+            let other = |p: usize, c: usize| (sums[p][c] - own[k][p][c] * spp[k]) / (samples - spp[k]);
+            (0..pixels).map(|p| std::array::from_fn(|c| other(p, c))).collect()
+        };
+        Self { picture: Box::new(picture), error: noise(|a| a.error * a.error), relmse: noise(|a| a.relmse) }
+    }
+
+    /// A render with many samples.
+    fn render(ready: &Ready, spp: u32, display: Display) -> Result<Self, Stopped> {
+        let settings = RenderSettings { seed: 1 << 40, spp, ..RenderSettings::default() };
+        let goal = Goal::default();
+        let mut progressive = Progressive::new(&ready.scene, &ready.views[0], &settings, &goal, display);
+        progressive.run(&Control::default())?;
+        let accuracy = Accuracy::of(progressive.film(), &display, CONFIDENCE);
+        let means = means(progressive.film());
+        let own = |get: fn(&Accuracy) -> f64| accuracy.as_ref().map_or(0.0, get);
+        println!("converged picture: error {:.2}", own(|a| a.error));
+        Ok(Self {
+            picture: Box::new(move |_| means.clone()),
+            error: own(|a| a.error * a.error),
+            relmse: own(|a| a.relmse),
+        })
+    }
+}
+
+/// All looks at renders with the seeds from 1 and up to `most` samples, against a picture of `converged` samples or of all other seeds.
+pub fn run(asset: &str, ready: &Ready, (seeds, most): (u64, u32), converged: Option<u32>) -> Result<Vec<Row>, Stopped> {
     let display = Display::new(&PictureSettings::default(), ready.exposure);
     let mut rendered = Vec::new();
     for seed in 1..=seeds {
         rendered.extend(render(&ready.scene, &ready.views[0], seed, most, display)?);
     }
-    let samples: f64 = rendered.iter().map(|s| f64::from(s.spp)).sum();
-    let pixels = rendered.first().map_or(0, |s| s.means.len());
-    let sum = |p: usize, c: usize| rendered.iter().map(|s| s.means[p][c] * f64::from(s.spp)).sum::<f64>();
-    let sums: Vec<[f64; 4]> = (0..pixels).map(|p| std::array::from_fn(|c| sum(p, c))).collect();
-    // Squared errors fall at least as fast as the number of samples; replicates of all seeds are independent.
-    let noise = |get: fn(&Accuracy) -> f64| {
-        let n = rendered.len() as f64;
-        rendered.iter().map(|s| get(&s.last)).sum::<f64>() / n / (n - 1.0)
+    let reference = match converged {
+        Some(spp) => Converged::render(ready, spp, display)?,
+        None => Converged::others(&rendered),
     };
-    let (noise_error, noise_relmse) = (noise(|a| a.error * a.error), noise(|a| a.relmse));
     let mut rows = Vec::new();
-    for (seed, own) in (1..).zip(&rendered) {
-        let n = f64::from(own.spp);
-        let other = |p: usize| std::array::from_fn(|c| (sums[p][c] - own.means[p][c] * n) / (samples - n));
-        let converged: Vec<[f64; 4]> = (0..pixels).map(other).collect();
+    for (k, own) in rendered.iter().enumerate() {
+        let (seed, converged) = (k as u64 + 1, (reference.picture)(k));
         for look in &own.looks {
             let (square, relative) = difference(&look.means, &converged, &display);
             rows.push(Row {
@@ -98,8 +136,8 @@ pub fn run(asset: &str, ready: &Ready, seeds: u64, most: u32) -> Result<Vec<Row>
                 seed,
                 spp: look.spp,
                 stated: look.stated,
-                error: (square - noise_error).max(0.0).sqrt(),
-                relmse: (relative - noise_relmse).max(0.0),
+                error: (square - reference.error).max(0.0).sqrt(),
+                relmse: (relative - reference.relmse).max(0.0),
             });
         }
     }

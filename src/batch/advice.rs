@@ -147,6 +147,11 @@ pub const ALL: &[Advice] = &[
     ),
     advice("time-past-end", "The moment is after the animation's end; the end is shown", "an earlier `--time-code`"),
     advice("unknown-statement", "A statement is not known and ignored", "nothing, unless the picture lacks something"),
+    advice(
+        "unsampled-caustics",
+        "Light without extent shines through a smooth body: what it casts is missing or comes as specks, and the stated error does not know of it",
+        "a lamp with a surface, or `--env`, instead; rougher glass; `--clamp` against specks",
+    ),
     advice("unsupported-element", "An element is not drawn", "make polygons of it"),
     advice(
         "unsupported-extension",

@@ -5,10 +5,10 @@ use super::environment::{self, LoadedEnvironment};
 use super::failure::{Failure, guarded};
 use super::read::{Read, note, read};
 use super::stages::StageClock;
-use super::{Job, Outcome, SceneFacts, Stage, digest, exposure};
+use super::{Job, Outcome, SceneFacts, Stage, caustics, digest, exposure};
 use crate::integrate::{PassTally, View};
 use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
-use crate::settings::{CameraChoice, EnvironmentSettings, Exposure, PictureFormat, PrepareSettings};
+use crate::settings::{CameraChoice, EnvironmentSettings, Exposure, Integrator, PictureFormat, PrepareSettings};
 use kiln_formats::{Control, ErrorCode, Format, Scene, Warning};
 use std::sync::Arc;
 
@@ -107,6 +107,9 @@ impl Work<'_> {
     ) -> Result<PreparedScene, Failure> {
         self.begin(Stage::Prepare);
         let clock = StageClock::begin();
+        if self.job.settings.render.integrator == Integrator::Path {
+            self.outcome.warnings.extend(caustics::unsampled(&scene));
+        }
         let pixels: u64 = views.iter().map(|view| u64::from(view.width) * u64::from(view.height)).sum();
         let own = self.job.settings.prepare;
         let planned = own.planned_rays.unwrap_or_else(|| planned_rays(pixels, self.job.settings.render.spp));

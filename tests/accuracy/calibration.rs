@@ -19,7 +19,7 @@ const SPP: u32 = 32;
 fn rows(name: &str, (scene, view): (PreparedScene, View)) -> Vec<Row> {
     let view = View { width: 24, height: 24, ..view };
     let ready = Ready { scene, views: vec![view], exposure: 0.0, outcome: Outcome::skipped(name, 0) };
-    trial::run(name, &ready, SEEDS, SPP).expect("not stopped")
+    trial::run(name, &ready, (SEEDS, SPP), None).expect("not stopped")
 }
 
 /// A ball in the studio, seen before nothing.
