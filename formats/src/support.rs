@@ -63,8 +63,10 @@ pub fn markdown() -> String {
         "\n## SBT-raytracer scenes (`.ray`)\n\n\
          The language of the ray tracing courses of UT Austin, Washington and HKUST (`--ray-dialect ut|uw|hk`), with the\n\
          `area_light`s of its forks (`light_radius`, `bottom_radius`, `area`, `u` and `v`), meshes with texture coordinates and\n\
-         `objfile`. `spot_light`, `quadric`, `torus`, `csg` and other shapes of single forks are errors that say so;\n\
-         `bump_mapping` is named in a warning; k_t is per unit of length in every dialect.\n\n\
+         `objfile`, bumps (`bump_mapping`; `bump_map`, `normal_map`, `diffuse_map` and `specular_map` of objects) on shapes that have\n\
+         texture coordinates, `emission` of objects and `sphere_light`. k_t counts lengths, and surfaces in the dialect `hk`, which\n\
+         also passes over fields that are not known. `spot_light`, `quadric`, `torus`, `csg` and other words of single forks are\n\
+         errors that say so.\n\n\
          | look | |\n|---|---|\n\
          | `--integrator whitted` | the course tracers' shading: mirrors, glass with straight coloured shadows, no indirect light |\n\
          | `--tonemap course` | 8 bits of linear light, cut off, as their files have |\n\

@@ -146,6 +146,7 @@ impl Point<'_> {
             exponent: 0.0,
             mirror: Vec3::ZERO,
             transmission: Vec3::ZERO,
+            through: Vec3::ONE,
             ior: 0.0,
             entering: self.front,
         };
@@ -168,6 +169,9 @@ impl Point<'_> {
             }
         }
         p.diffuse *= self.attributes.color.truncate();
+        if own.transmission_at_surfaces {
+            p.through = p.transmission;
+        }
         p
     }
 }

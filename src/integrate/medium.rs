@@ -23,6 +23,7 @@ fn transmittance(prepared: &PreparedScene, material: MaterialId, distance: f32) 
             }
             _ => Vec3::ONE,
         },
+        Surface::Phong(p) if p.transmission_at_surfaces => Vec3::ONE,
         Surface::Phong(p) => Vec3::from(
             crate::geometry::textures::color(&prepared.scene, &p.transmission, &[[0.0; 2]; 2])
                 .to_array()
@@ -30,6 +31,16 @@ fn transmittance(prepared: &PreparedScene, material: MaterialId, distance: f32) 
                 .map(|c| power(c.max(1e-6), world)),
         ),
         Surface::Unlit(_) => Vec3::ONE,
+    }
+}
+
+/// What a surface that is crossed lets through by itself: k_t in the dialect where it counts surfaces, and not lengths.
+pub(super) fn through_surface(prepared: &PreparedScene, material: MaterialId) -> Vec3 {
+    match &prepared.scene.materials[material as usize].surface {
+        Surface::Phong(p) if p.transmission_at_surfaces => {
+            crate::geometry::textures::color(&prepared.scene, &p.transmission, &[[0.0; 2]; 2]).min(Vec3::ONE)
+        }
+        _ => Vec3::ONE,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rays against the prepared scene, with coverage, culling and coloured shadows.
 
-use super::medium::Inside;
+use super::medium::{Inside, through_surface};
 use super::vertex::{Outgoing, Place, Vertex};
 use crate::geometry::{Geometry, coverage};
 use crate::lighting::{LightSample, Target};
@@ -170,6 +170,7 @@ fn straight_transmittance(
         let Some(place) = Place::new(prepared, &hit, dir) else { return transmittance };
         inside = inside.met(prepared, &place);
         transmittance *= inside.transmittance(prepared, hit.t * dir.length());
+        transmittance *= through_surface(prepared, place.material);
         if transmittance == Vec3::ZERO {
             break;
         }

@@ -118,7 +118,7 @@ impl<'a> Tracer<'a> {
     /// What a beam brings from the surface that it met.
     fn shade(&self, beam: &Beam, met: &Met, rays: &mut RayCounts) -> DVec3 {
         let matter = Matter::at(self.prepared, met);
-        let (normal, viewer) = (met.normal, -beam.dir);
+        let (normal, viewer) = (matter.bent.unwrap_or(met.normal), -beam.dir);
         let mut sum = matter.emission + matter.ambient * Vec3::from(self.prepared.scene.ambient).as_dvec3();
         for light in &self.prepared.scene.lights {
             let Some((towards, distance, color)) = arriving(light, met.point) else { continue };
@@ -147,8 +147,9 @@ impl<'a> Tracer<'a> {
         if beam.depth > 0 && matter.transmission != DVec3::ZERO {
             let (normal, eta) = if met.inside { (-normal, matter.ior) } else { (normal, 1.0 / matter.ior) };
             let dir = refract(beam.dir, normal, eta).unwrap_or_else(|| reflect(beam.dir, normal));
-            if let Some(next) = follow(dir, DVec3::ONE) {
-                sum += self.trace(next, rays);
+            let kept = matter.kept_across();
+            if let Some(next) = follow(dir, kept) {
+                sum += kept * self.trace(next, rays);
             }
         }
         if met.inside { sum * matter.kept_along(met.distance) } else { sum }
@@ -169,6 +170,7 @@ impl<'a> Tracer<'a> {
             if met.inside {
                 kept *= matter.kept_along(met.distance);
             }
+            kept *= matter.kept_across();
             (origin, leaves, left) = (met.point, met.leaves(), left - met.distance);
         }
         DVec3::ZERO

@@ -87,13 +87,14 @@ fn layers() -> impl Strategy<Value = LayerParams> {
 
 fn phong() -> impl Strategy<Value = PhongParams> {
     let exponent = prop_oneof![3 => 0f32..1000.0, 1 => parameter(), 1 => 1e4f32..1e9];
-    (colour(), colour(), exponent, colour(), colour(), index(), any::<bool>()).prop_map(
-        |(diffuse, specular, exponent, mirror, transmission, ior, entering)| PhongParams {
+    (colour(), colour(), exponent, colour(), [colour(), colour()], index(), any::<bool>()).prop_map(
+        |(diffuse, specular, exponent, mirror, [transmission, through], ior, entering)| PhongParams {
             diffuse,
             specular,
             exponent,
             mirror,
             transmission,
+            through,
             ior,
             entering,
         },

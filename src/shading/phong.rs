@@ -20,6 +20,8 @@ pub struct PhongParams {
     pub mirror: Vec3,
     /// k_t; not black makes the surface that of a refracting body (the absorption inside is not done here).
     pub transmission: Vec3,
+    /// What the surface itself lets through of what enters or leaves the body; white where k_t counts lengths.
+    pub through: Vec3,
     /// Index of refraction inside; what is not positive counts as 1.
     pub ior: f32,
     /// Whether wo is on the outside (the geometric front).
@@ -55,8 +57,14 @@ impl Bsdf {
             let eta = if p.entering { ior } else { 1.0 / ior };
             let strongest = k_r.max_element();
             let hue = if p.entering && strongest > 0.0 { unit_colour(k_r / strongest) } else { Vec3::ONE };
-            let interface =
-                Interface { eta, f0: Vec3::splat(dielectric_f0(eta)), f90: 1.0, reflect: scale * hue, transmit: scale };
+            let through = unit_colour(p.through);
+            let interface = Interface {
+                eta,
+                f0: Vec3::splat(dielectric_f0(eta)),
+                f90: 1.0,
+                reflect: scale * hue,
+                transmit: scale * through,
+            };
             bsdf.push(Lobe::Dielectric { interface }, cos_o);
         }
         bsdf.normalised()

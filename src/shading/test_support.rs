@@ -49,6 +49,7 @@ pub fn black_phong() -> PhongParams {
         exponent: 20.0,
         mirror: Vec3::ZERO,
         transmission: Vec3::ZERO,
+        through: Vec3::ONE,
         ior: 1.5,
         entering: true,
     }

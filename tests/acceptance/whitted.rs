@@ -82,3 +82,45 @@ fn mirrors_weigh_what_they_show_and_depth_ends() {
     assert_eq!(code(&kiln(dir.path(), &[&arguments[..], &AS_THE_COURSE].concat())), 0);
     assert_eq!(read_png(&dir.path().join("flat.png")).1[8 * width + 8], [0; 3]);
 }
+
+/// What both integrators make of a scene, as the pixels of a row through its middle.
+fn rows(dir: &Path, scene: &str, more: &[&str]) -> [Vec<[u8; 3]>; 2] {
+    ["whitted", "path"].map(|integrator| {
+        let fixed = ["render", scene, "-o", "a.png", "--width", "16", "--tonemap", "course", "--spp", "4"];
+        let output = kiln(dir, &[&fixed[..], &["--integrator", integrator], more].concat());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let (width, pixels) = read_png(&dir.join("a.png"));
+        pixels[8 * width..9 * width].to_vec()
+    })
+}
+
+fn near(pixel: [u8; 3], want: [f64; 3]) -> bool {
+    (0..3).all(|c| (f64::from(pixel[c]) + 0.5 - 255.0 * want[c]).abs() <= 1.0)
+}
+
+#[test]
+fn glass_can_count_its_surfaces_instead_of_its_length() {
+    let dir = folder(&[("wall.ray", &WALL.replace("ambient_light { color = (.25,.25,.25) }", ""))]);
+    // Two surfaces on the way of the light, two on the way to the eye.
+    let behind = [0.5 * 0.5_f64.powi(4), 0.25, 0.5 * 0.25_f64.powi(4)];
+    for row in rows(dir.path(), "wall.ray", &["--ray-dialect", "hk"]) {
+        assert!(near(row[3], [0.5, 0.25, 0.5]) && near(row[13], behind), "{row:?}");
+    }
+}
+
+#[test]
+fn bumps_turn_what_faces_the_light() {
+    let scene = "SBT-raytracer 1.0
+        camera { position = (0,0,10); viewdir = (0,0,-1); updir = (0,1,0); }
+        directional_light { direction = (0,0,-1); color = (1,1,1) }
+        scale(20, square { material = { diffuse = (.5,.25,1) } normal_map = \"leaning.png\" })";
+    let dir = folder(&[("bumps.ray", scene)]);
+    let file = File::create(dir.path().join("leaning.png")).expect("a file");
+    let mut encoder = png::Encoder::new(file, 1, 1);
+    encoder.set_color(png::ColorType::Rgb);
+    // (0.6, 0, 0.8)
+    encoder.write_header().and_then(|mut w| w.write_image_data(&[204, 128, 230])).expect("a picture");
+    for row in rows(dir.path(), "bumps.ray", &[]) {
+        assert!(near(row[8], [0.4, 0.2, 0.8]), "{row:?}");
+    }
+}

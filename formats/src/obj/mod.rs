@@ -11,7 +11,6 @@
 
 mod faces;
 mod geometry;
-mod heights;
 mod libraries;
 mod log;
 mod map;

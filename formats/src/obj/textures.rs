@@ -1,8 +1,8 @@
 //! Finds and decodes the images of the materials, each once.
 
-use super::heights;
 use super::log::Log;
 use super::map::Map;
+use crate::repair::heights;
 use crate::scene::{Channel, ColorSpace, Image, ImageId, Pixels, Texture, TextureId, TextureRef, Wrap};
 use crate::{Control, ErrorCode, ImportError, Resources, images, parallel};
 use std::collections::HashMap;

@@ -32,7 +32,8 @@ pub fn import(
     control: &Control,
 ) -> Result<Scene, ImportError> {
     let source = source::Source { bytes: &bytes };
-    let nodes = parse::parse(source, resources.limits().max_nesting, control)?;
+    let lenient = options.dialect == Dialect::Hk;
+    let nodes = parse::parse(source, resources.limits().max_nesting, lenient, control)?;
     let mut notes = notes::Notes::new(source, warnings);
     let scene = lower::lower(nodes, source, resources, options, &mut notes, control)?;
     notes.finish();

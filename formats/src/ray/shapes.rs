@@ -44,6 +44,39 @@ pub(super) fn sphere(levels: u32) -> Tessellation {
     Tessellation { normals: positions.clone(), positions, uvs: Vec::new(), triangles }
 }
 
+/// The unit sphere with texture coordinates: u once around the y axis, from −z by −x and +z, v from pole to pole. The base dialect
+/// has none; its forks that lay textures around spheres do it by longitude and latitude.
+pub(super) fn globe(segments: u32) -> Tessellation {
+    let (columns, rows) = (segments.max(16), (segments / 2).max(8));
+    let mut shape = Tessellation::default();
+    for row in 0..=rows {
+        let v = f64::from(row) / f64::from(rows);
+        let (sin_v, cos_v) = (libm::sin(0.5 * TAU * v), libm::cos(0.5 * TAU * v));
+        for column in 0..=columns {
+            let u = f64::from(column) / f64::from(columns);
+            let (sin_u, cos_u) = (libm::sin(TAU * (u - 0.5)), libm::cos(TAU * (u - 0.5)));
+            let position = [sin_v * sin_u, cos_v, sin_v * cos_u];
+            shape.vertex(position, position);
+            shape.uvs.push([u as f32, v as f32]);
+        }
+    }
+    let at = |row: u32, column: u32| row * (columns + 1) + column;
+    for row in 0..rows {
+        for column in 0..columns {
+            let (a, b) = (at(row, column), at(row + 1, column));
+            let (c, d) = (b + 1, a + 1);
+            if row + 1 < rows {
+                shape.triangles.push([a, b, c]);
+            }
+            // At the poles one of the two has no area.
+            if row > 0 {
+                shape.triangles.push([a, c, d]);
+            }
+        }
+    }
+    shape
+}
+
 /// The square z = 0, x and y in [−0.5, 0.5], that faces +z.
 pub(super) fn square() -> Tessellation {
     let mut shape = Tessellation::default();

@@ -20,6 +20,8 @@ pub(super) enum Node {
     Group,
     /// Ends the innermost level.
     Close,
+    /// A field that the dialect passes over.
+    Ignored(At<String>),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -117,7 +119,20 @@ pub(super) struct Object {
     pub name: String,
     /// Every `material` of the object, in order: the last holds, but names of all are registered.
     pub materials: Vec<MaterialExpr>,
+    /// Textures that the object has in the dialects that give them to objects.
+    pub maps: Vec<(ObjectMap, At<String>)>,
+    /// `emission` of the object, which holds over the material's.
+    pub emission: Option<At<[f32; 3]>>,
     pub shape: Shape,
+}
+
+/// What a texture of an object is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ObjectMap {
+    Diffuse,
+    Specular,
+    Normal,
+    Bump,
 }
 
 #[derive(Clone, Debug)]

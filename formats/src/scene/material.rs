@@ -228,6 +228,8 @@ pub struct Phong {
     pub transmission: ColorInput,
     /// Index of refraction inside.
     pub ior: ScalarInput,
+    /// Whether `transmission` is what each surface of the body lets through, and not what each unit of length does.
+    pub transmission_at_surfaces: bool,
 }
 
 impl Default for Phong {
@@ -240,6 +242,7 @@ impl Default for Phong {
             mirror: ColorInput::BLACK,
             transmission: ColorInput::BLACK,
             ior: ScalarInput::constant(1.0),
+            transmission_at_surfaces: false,
         }
     }
 }

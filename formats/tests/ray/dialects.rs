@@ -55,6 +55,22 @@ fn cameras_are_raw_normalised_or_orthonormal() {
 }
 
 #[test]
+fn one_dialect_passes_over_what_it_does_not_know_and_counts_surfaces_of_glass() {
+    let body = "camera { lens = bump(\"a\") ; fov = 30 } box { material = { glow = { a = (1,2); b } transmissive = (.5,.5,.5); fuzzy = 3 }
+        shell = soft; } point_light { color = (1,1,1); position = (0,0,0); flicker = ((1,2),(3)) }";
+    let text = format!("SBT-raytracer 1.0 {body}");
+    let read = |text: &str, dialect| read_as(&std::env::temp_dir(), text.as_bytes(), Limits::default(), of(dialect));
+    let (scene, warnings) = read(&text, Dialect::Hk).unwrap();
+    assert_eq!(warnings.iter().filter(|w| w.code == "ignored-field").count(), 5, "{warnings:?}");
+    assert!(phong(&scene.materials[0]).transmission_at_surfaces);
+    assert_eq!(scene.lights.len(), 1);
+    let error = read(&text, Dialect::Ut).unwrap_err();
+    assert!(error.message.contains("`camera` has no field `lens`"), "{error}");
+    let cut = read("SBT-raytracer 1.0 box { x = (1", Dialect::Hk);
+    assert!(cut.unwrap_err().message.contains("end of file"));
+}
+
+#[test]
 fn ambient_and_glass_can_be_taken_otherwise() {
     let body = "ambient_light { color = (.5,1,2) } point_light { position = (0,9,0); color = (1,1,1) }
         sphere { material = { ambient = (.5,.5,.5); emissive = (1,0,0) } }";

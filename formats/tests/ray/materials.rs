@@ -1,7 +1,7 @@
 //! Materials: inheritance, names, and what the importer says about them.
 
 use super::{assert_fails, diffuse_of_instances, phong, read_body, scene, warnings};
-use kiln_formats::ErrorCode::{Invalid, Syntax};
+use kiln_formats::ErrorCode::{Invalid, Io, Syntax};
 
 const RED: [f32; 3] = [1.0, 0.0, 0.0];
 const BLUE: [f32; 3] = [0.0, 0.0, 1.0];
@@ -161,6 +161,12 @@ fn what_only_ambient_light_shows_is_named() {
 }
 
 #[test]
-fn bump_maps_are_ignored_with_a_warning() {
-    assert_eq!(warnings("sphere { material={ bump_mapping = bump(\"none.png\"); } }"), ["ignored-field"]);
+fn a_bump_map_that_is_missing_stops_the_scene_as_any_texture_does() {
+    assert_fails(
+        "box { material={ bump_mapping = bump(\"none.png\"); } }",
+        Io,
+        2,
+        18,
+        "cannot read texture `none.png`",
+    );
 }

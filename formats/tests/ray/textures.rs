@@ -94,6 +94,51 @@ fn shapes_without_coordinates_read_the_lower_left_corner() {
 }
 
 #[test]
+fn bumps_bend_the_normals_of_shapes_with_coordinates() {
+    let bumpy = "material = { bump_mapping = bump(\"a.png\"); diffuse = (1,1,1) }";
+    for shape in ["square", "box", "sphere"] {
+        let (scene, warnings) = read(&format!("{shape} {{ {bumpy} }}"));
+        assert_eq!(warnings, [], "{shape}");
+        let map = scene.materials[scene.meshes[0].material as usize].normal_map.expect("bumps");
+        assert_eq!(scene.meshes[0].tangents.len(), scene.meshes[0].positions.len());
+        let image = &scene.images[scene.textures[map.texture.texture as usize].image as usize];
+        // Red over blue: luma falls downwards, so the normal leans down, which is +v.
+        assert!(matches!(&image.pixels, Pixels::Rgba16(p) if p[1] != 32768 && p[2] > 60000), "{shape}");
+    }
+    let (scene, warnings) = read(&format!("cone {{ {bumpy} }}"));
+    assert_eq!(warnings.iter().map(|w| w.code.as_str()).collect::<Vec<_>>(), ["missing-uvs", "normal-map-ignored"]);
+    assert!(scene.meshes[0].tangents.is_empty());
+    assert_eq!(scene.materials[scene.meshes[0].material as usize].normal_map, None);
+}
+
+#[test]
+fn objects_have_textures_and_emission_of_their_own_in_some_dialects() {
+    let body = "material = { diffuse = (.5,.5,.5); emissive = (.25,0,0) }
+        sphere { diffuse_map = \"a.png\"; } box { normal_map = \".\\a.png\" } sphere_light { emission = (3,2,1) } square {}";
+    let (scene, warnings) = read(body);
+    assert_eq!(warnings, []);
+    let material = |k: usize| &scene.materials[scene.meshes[k].material as usize];
+    let diffuse = phong(material(0)).diffuse;
+    assert_eq!((diffuse.factor, diffuse.texture.is_some()), ([1.0; 3], true));
+    assert!(material(1).normal_map.is_some() && phong(material(1)).diffuse.texture.is_none());
+    assert_eq!((material(2).emission.factor, material(3).emission.factor), ([3.0, 2.0, 1.0], [0.25, 0.0, 0.0]));
+    // The whole texture lies around the sphere, upright: the top of the picture at the top, its middle at +z.
+    let globe = &scene.meshes[0];
+    for (position, [u, v]) in globe.positions.iter().zip(&globe.uvs[0]) {
+        assert!((position[1] - libm::cosf(std::f32::consts::PI * v)).abs() < 1e-6);
+        assert!(position[2] > -1e-6 || !(0.25..0.75).contains(u), "{position:?} {u}");
+    }
+    let outward = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| glam::Vec3::from(globe.positions[i as usize]));
+        let area = (b - a).cross(c - a);
+        assert!(area.dot(a + b + c) > 0.0, "{t:?}");
+        0.5 * area.length()
+    };
+    let area: f32 = globe.triangles.iter().map(outward).sum();
+    assert!((area / (4.0 * std::f32::consts::PI) - 1.0).abs() < 2e-3, "{area}");
+}
+
+#[test]
 fn scenes_without_textures_have_none() {
     let scene = scene("sphere {}");
     assert!(scene.textures.is_empty() && scene.images.is_empty() && scene.meshes[0].uvs[0].is_empty());

@@ -15,7 +15,11 @@ pub(super) struct Matter {
     pub exponent: f64,
     pub mirror: DVec3,
     pub transmission: DVec3,
+    /// Whether k_t counts surfaces, and not lengths.
+    pub at_surfaces: bool,
     pub ior: f64,
+    /// The normal as a map of normals bends it.
+    pub bent: Option<DVec3>,
 }
 
 impl Matter {
@@ -27,6 +31,14 @@ impl Matter {
         let (uv, tint) = (&attributes.uv, attributes.color.truncate().as_dvec3());
         let rgb = |input: &ColorInput| color(scene, input, uv).as_dvec3();
         let mut matter = Self { emission, ..Self::default() };
+        if let (Some(map), Some((tangent, handedness))) = (&material.normal_map, attributes.tangent) {
+            let texel = rgb(&ColorInput { factor: [1.0; 3], texture: Some(map.texture) }) * 2.0 - 1.0;
+            let (normal, tangent) = (met.normal, tangent.as_dvec3().normalize_or_zero());
+            let bitangent = normal.cross(tangent) * f64::from(handedness);
+            let scale = f64::from(map.scale);
+            matter.bent =
+                (tangent * (texel.x * scale) + bitangent * (texel.y * scale) + normal * texel.z).try_normalize();
+        }
         match &material.surface {
             Surface::Unlit(_) => {}
             // The nearest thing: metals are mirrors, the rest is matt.
@@ -61,15 +73,21 @@ impl Matter {
                     }
                 }
                 matter.diffuse *= tint;
+                matter.at_surfaces = own.transmission_at_surfaces;
             }
         }
         matter
     }
 
+    /// What a surface that is crossed leaves of light.
+    pub(super) fn kept_across(&self) -> DVec3 {
+        if self.at_surfaces { self.transmission.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE }
+    }
+
     /// What a way inside leaves of light: k_t for each world unit.
     pub(super) fn kept_along(&self, distance: f64) -> DVec3 {
         let kept = self.transmission.as_vec3().max(Vec3::ZERO).min(Vec3::ONE).as_dvec3();
-        if kept == DVec3::ZERO {
+        if kept == DVec3::ZERO || self.at_surfaces {
             DVec3::ONE
         } else {
             DVec3::from_array(kept.to_array().map(|k| libm::pow(k, distance)))

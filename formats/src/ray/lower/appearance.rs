@@ -1,9 +1,10 @@
+use super::textures::Use;
 use super::{Lower, Result};
 use crate::ErrorCode;
 use crate::ray::options::Dialect;
 use crate::ray::source::{At, Offset};
-use crate::ray::tree::{FieldName, FieldValue, MaterialExpr, MaterialField};
-use crate::scene::{ColorInput, Material, MaterialId, Phong, ScalarInput, Surface, TextureRef};
+use crate::ray::tree::{FieldName, FieldValue, MaterialExpr, MaterialField, Object, ObjectMap};
+use crate::scene::{ColorInput, Material, MaterialId, NormalMap, Phong, ScalarInput, Surface, TextureId, TextureRef};
 use std::collections::HashMap;
 
 /// The exponent that a white texel of a `shininess` map stands for.
@@ -16,6 +17,10 @@ const ENERGY_TOLERANCE: f32 = 1.05;
 pub(super) struct Appearance {
     pub phong: Phong,
     pub emission: Emission,
+    /// A map of normals that bends them.
+    pub bumps: Option<TextureId>,
+    /// Whether it is of a dialect whose spheres have texture coordinates.
+    pub wraps_spheres: bool,
     /// Whether `reflective` was said: in some dialects `specular` stands for it else.
     has_mirror: bool,
     /// Index of the name that the file gives to exactly this material.
@@ -33,7 +38,7 @@ impl Default for Emission {
 }
 
 /// The bits of an appearance: those of equal bits become one material.
-type Bits = [u32; 29];
+type Bits = [u32; 31];
 
 impl Appearance {
     fn colors(&self) -> [&ColorInput; 6] {
@@ -41,10 +46,16 @@ impl Appearance {
         [&p.ambient, &p.diffuse, &p.specular, &p.mirror, &p.transmission, &self.emission.0]
     }
 
+    pub fn without_bumps(self) -> Self {
+        Self { bumps: None, ..self }
+    }
+
     /// Whether any texture is read.
     pub fn is_textured(&self) -> bool {
         let scalars = [&self.phong.exponent, &self.phong.ior];
-        self.colors().iter().any(|c| c.texture.is_some()) || scalars.iter().any(|s| s.texture.is_some())
+        self.bumps.is_some()
+            || self.colors().iter().any(|c| c.texture.is_some())
+            || scalars.iter().any(|s| s.texture.is_some())
     }
 
     fn bits(&self) -> Bits {
@@ -54,7 +65,8 @@ impl Appearance {
             [r, g, b, id(c.texture)]
         });
         let scalars = [&self.phong.exponent, &self.phong.ior].map(|s| [s.factor.to_bits(), id(s.texture)]);
-        let mut bits = [self.name.unwrap_or(u32::MAX); 29];
+        let mut bits = [self.name.unwrap_or(u32::MAX); 31];
+        (bits[29], bits[30]) = (self.bumps.unwrap_or(u32::MAX), u32::from(self.wraps_spheres));
         bits.iter_mut().zip(colors.as_flattened().iter().chain(scalars.as_flattened())).for_each(|(b, x)| *b = *x);
         bits
     }
@@ -87,6 +99,7 @@ impl Lower<'_, '_> {
                     Dialect::Ut | Dialect::Uw => inherited,
                 };
                 let mut appearance = Appearance { name: None, ..inherited };
+                appearance.phong.transmission_at_surfaces = self.options.dialect == Dialect::Hk;
                 for field in &block.fields {
                     self.set(&mut appearance, field)?;
                 }
@@ -138,8 +151,31 @@ impl Lower<'_, '_> {
                 }
             }
             FieldName::BumpMapping => {
-                self.notes.warn("ignored-field", at, || "`bump_mapping` is ignored: no bump maps in .ray files".into());
+                if let FieldValue::Map(file) = &field.value {
+                    appearance.bumps = Some(self.texture(file, Use::Heights, at)?);
+                    appearance.wraps_spheres = true;
+                }
             }
+        }
+        Ok(())
+    }
+
+    /// What an object says of its own look, over its material.
+    pub(super) fn with_own(&mut self, appearance: &mut Appearance, object: &Object) -> Result<()> {
+        for (map, At { at, value: file }) in &object.maps {
+            let mapped = |id| ColorInput { factor: [1.0; 3], texture: Some(TextureRef::new(id)) };
+            match map {
+                ObjectMap::Diffuse => appearance.phong.diffuse = mapped(self.texture(file, Use::Color, *at)?),
+                ObjectMap::Specular => appearance.phong.specular = mapped(self.texture(file, Use::Color, *at)?),
+                ObjectMap::Normal => appearance.bumps = Some(self.texture(file, Use::Color, *at)?),
+                ObjectMap::Bump => appearance.bumps = Some(self.texture(file, Use::Heights, *at)?),
+            }
+            // Whoever registers the name means the material without it.
+            (appearance.name, appearance.wraps_spheres) = (None, true);
+        }
+        if let Some(At { at, value }) = object.emission {
+            let radiance = value.map(|c| self.not_negative(c, "an emission", at));
+            (appearance.emission.0, appearance.name) = (ColorInput::constant(radiance), None);
         }
         Ok(())
     }
@@ -155,7 +191,7 @@ impl Lower<'_, '_> {
                 Ok(ColorInput::constant([grey; 3]))
             }
             FieldValue::Map(file) => {
-                let texture = Some(TextureRef::new(self.texture(file, false, field.at)?));
+                let texture = Some(TextureRef::new(self.texture(file, Use::Color, field.at)?));
                 Ok(ColorInput { factor: [1.0; 3], texture })
             }
         }
@@ -168,7 +204,7 @@ impl Lower<'_, '_> {
                 Ok(ScalarInput::constant(self.not_negative(*number, "a material's number", field.at)))
             }
             FieldValue::Map(file) => {
-                let texture = Some(TextureRef::new(self.texture(file, true, field.at)?));
+                let texture = Some(TextureRef::new(self.texture(file, Use::Grey, field.at)?));
                 Ok(ScalarInput { factor: scale, texture, ..ScalarInput::constant(scale) })
             }
             FieldValue::Color(_) => Err(self.source.error(ErrorCode::Syntax, field.at, "a number was expected")),
@@ -202,6 +238,7 @@ impl Lower<'_, '_> {
             surface: Surface::Phong(appearance.phong),
             emission: appearance.emission.0,
             emission_two_sided: true,
+            normal_map: appearance.bumps.map(|id| NormalMap { texture: TextureRef::new(id), scale: 1.0 }),
             double_sided: true,
             ..Material::default()
         });

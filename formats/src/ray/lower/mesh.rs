@@ -2,7 +2,8 @@ use super::{Appearance, Lower, Result};
 use crate::Control;
 use crate::ray::source::{At, Offset};
 use crate::ray::tree::{Faces, MeshBlock};
-use crate::scene::{MaterialId, Mesh, MeshId};
+use crate::repair::tangents;
+use crate::scene::{MaterialId, Mesh, MeshId, UvTransform};
 use glam::DVec3;
 
 /// Faces between two looks at the stop signal.
@@ -57,7 +58,7 @@ impl Lower<'_, '_> {
             appearance.emission = own.emission;
             vertex_ids.push(self.material(&appearance, at));
         }
-        Ok(Some(self.add_mesh(Mesh {
+        let mut mesh = Mesh {
             name: name.into(),
             positions: points,
             normals,
@@ -66,7 +67,27 @@ impl Lower<'_, '_> {
             material,
             vertex_materials: vertex_ids,
             ..Mesh::default()
-        })))
+        };
+        self.bend(&mut mesh, own, at);
+        Ok(Some(self.add_mesh(mesh)))
+    }
+
+    /// Gives a mesh the tangents that bumps need; where it can have none, another material without them.
+    pub(super) fn bend(&mut self, mesh: &mut Mesh, own: &Appearance, at: Offset) {
+        if own.bumps.is_none() {
+            return;
+        }
+        let first = mesh.uvs[0].first();
+        let anywhere = mesh.uvs[0].iter().any(|uv| Some(uv) != first);
+        let made = if anywhere {
+            tangents::generate(mesh, 0, &UvTransform::IDENTITY)
+        } else {
+            Err(tangents::NoTangents::TextureCoordinates)
+        };
+        if let Err(why) = made {
+            self.notes.warn("normal-map-ignored", at, || format!("{why}: its bumps are left out"));
+            mesh.material = self.material(&own.without_bumps(), at);
+        }
     }
 
     pub(super) fn warn_about_missing_uvs(&mut self, at: Offset) {

@@ -88,6 +88,9 @@ impl Lower<'_, '_> {
                 Node::Camera(block) => camera.update(block),
                 Node::Light(light) => self.light(light)?,
                 Node::Material(expression) => context.material = self.appearance(&expression, context.material)?,
+                Node::Ignored(At { at, value: field }) => {
+                    self.notes.warn("ignored-field", at, || format!("{field} is not known and passed over"));
+                }
                 Node::Object(object) => self.object(object, &context)?,
                 Node::Transform(At { at, value }) => {
                     outer.push(context);
@@ -119,12 +122,13 @@ impl Lower<'_, '_> {
     }
 
     fn object(&mut self, At { at, value: object }: At<Object>, context: &Context) -> Result<()> {
-        let Object { name, materials, shape } = object;
-        let mut appearances = Vec::with_capacity(materials.len());
-        for expression in &materials {
+        let mut appearances = Vec::with_capacity(object.materials.len());
+        for expression in &object.materials {
             appearances.push(self.appearance(expression, context.material)?);
         }
-        let appearance = appearances.last().copied().unwrap_or(context.material);
+        let mut appearance = appearances.last().copied().unwrap_or(context.material);
+        self.with_own(&mut appearance, &object)?;
+        let Object { name, shape, .. } = object;
         let material = self.material(&appearance, at);
         match shape {
             Shape::Mesh(block) => {

@@ -86,21 +86,25 @@ impl Lower<'_, '_> {
         let mesh = match self.shapes.get(&key) {
             Some(mesh) => *mesh,
             None => {
-                let mut tessellation = self.tessellate(shape);
+                let mut tessellation = match shape {
+                    Shape::Sphere if appearance.wraps_spheres => shapes::globe(self.detail.segments / 2),
+                    shape => self.tessellate(shape),
+                };
                 if appearance.is_textured() && tessellation.uvs.is_empty() {
                     self.warn_about_missing_uvs(at);
                     tessellation.uvs = vec![NO_UV; tessellation.positions.len()];
                 }
                 let Tessellation { positions, normals, uvs, triangles } = tessellation;
                 let primitive = match shape {
-                    Shape::Sphere => Some(Primitive::Sphere),
+                    Shape::Sphere if !appearance.wraps_spheres => Some(Primitive::Sphere),
                     Shape::Square | Shape::Cone { capped: false, .. } | Shape::Cylinder { capped: false } => {
                         Some(Primitive::Sheet)
                     }
                     _ => None,
                 };
                 let uvs = [uvs, Vec::new()];
-                let mesh = Mesh { positions, normals, uvs, triangles, material, primitive, ..Mesh::default() };
+                let mut mesh = Mesh { positions, normals, uvs, triangles, material, primitive, ..Mesh::default() };
+                self.bend(&mut mesh, appearance, at);
                 let mesh = self.add_mesh(mesh);
                 self.shapes.insert(key, mesh);
                 mesh

@@ -1,17 +1,29 @@
 use super::{Lower, Result};
 use crate::ray::source::Offset;
-use crate::scene::{ColorSpace, Filter, Image, ImageId, Pixels, Texture, TextureId, Wrap};
+use crate::repair::heights;
+use crate::scene::{Channel, ColorSpace, Filter, Image, ImageId, Pixels, Texture, TextureId, Wrap};
 use crate::{ImportError, images};
 use std::collections::HashMap;
 
 /// Textures read so far.
 #[derive(Default)]
 pub(super) struct Textures {
-    /// By file, and whether it is turned to grey.
-    ids: HashMap<(String, bool), TextureId>,
+    /// By file and use.
+    ids: HashMap<(String, Use), TextureId>,
     /// The largest value of each channel, per texture.
     brightest: Vec<[f32; 3]>,
     texels: u64,
+}
+
+/// What becomes of a texture's values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Use {
+    /// They are taken as they are.
+    Color,
+    /// They are turned to grey.
+    Grey,
+    /// They are heights, of which normals are made.
+    Heights,
 }
 
 impl Textures {
@@ -23,17 +35,22 @@ impl Textures {
 
 impl Lower<'_, '_> {
     /// Reads a texture. Its values are taken as stored, with the edge texels going on beyond [0, 1]; where a number
-    /// is wanted (`grey`), its luma. A texture that cannot be read stops the scene, as in the course tracers.
-    pub(super) fn texture(&mut self, file: &str, grey: bool, at: Offset) -> Result<TextureId> {
-        let key = (file.replace('\\', "/"), grey);
+    /// is wanted, its luma. A texture that cannot be read stops the scene, as in the course tracers.
+    pub(super) fn texture(&mut self, file: &str, wanted: Use, at: Offset) -> Result<TextureId> {
+        let key = (file.replace('\\', "/"), wanted);
         if let Some(id) = self.textures.ids.get(&key) {
             return Ok(*id);
         }
         let left = self.resources.limits().max_texels.saturating_sub(self.textures.texels);
         let read = self.resources.read(file).and_then(|bytes| images::decode(&bytes, file, left));
         let mut image = read.map_err(|error| self.unreadable(file, &error, at))?;
-        if grey {
-            image.pixels = luma(&image.pixels);
+        match wanted {
+            Use::Color => {}
+            Use::Grey => image.pixels = luma(&image.pixels),
+            Use::Heights => {
+                image.pixels = luma(&image.pixels);
+                image = heights::to_normals(&image, Channel::R, true);
+            }
         }
         self.textures.texels += u64::from(image.width) * u64::from(image.height);
         self.textures.brightest.push(brightest(&image));

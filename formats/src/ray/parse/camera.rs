@@ -21,7 +21,7 @@ impl Parser<'_> {
                     p.assigned(Self::number)?;
                     camera.focal_distance = Some(at);
                 }
-                _ => return Err(p.unknown_field("camera", word, at)),
+                _ => p.unknown_field("camera", word, at)?,
             }
             Ok(())
         })?;

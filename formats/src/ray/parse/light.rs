@@ -56,7 +56,7 @@ impl Parser<'_> {
                 "area" if is_area => light.side = Some(p.assigned(Self::number)?),
                 "u" if is_area => light.u = Some(p.assigned(Self::vec3)?),
                 "v" if is_area => light.v = Some(p.assigned(Self::vec3)?),
-                _ => return Err(p.unknown_field(keyword, field, at)),
+                _ => p.unknown_field(keyword, field, at)?,
             }
             Ok(())
         })?;

@@ -47,7 +47,7 @@ impl Parser<'_> {
                 return Ok(());
             }
             let Some(name) = FieldName::of(word) else {
-                return Err(p.unknown_field("material", word, at));
+                return p.unknown_field("material", word, at);
             };
             let value = p.assigned(|p| p.field_value(name))?.value;
             material.fields.push(MaterialField { at, name, value });

@@ -15,15 +15,24 @@ use glam::DVec3;
 
 type Result<T> = std::result::Result<T, ImportError>;
 
-/// Parses a whole file. `max_nesting` bounds the levels of transforms and groups.
+/// Parses a whole file. `max_nesting` bounds the levels of transforms and groups; `lenient` passes over fields that are not known.
 ///
 /// # Errors
 /// The first mistake in the text, with its place.
-pub(super) fn parse(source: Source<'_>, max_nesting: u32, control: &Control) -> Result<Vec<Node>> {
+pub(super) fn parse(source: Source<'_>, max_nesting: u32, lenient: bool, control: &Control) -> Result<Vec<Node>> {
     let mut lexer = Lexer::new(source);
     let token = scene::read_header(source, &mut lexer)?;
-    let mut parser =
-        Parser { source, lexer, token, control, max_nesting, blocks: Vec::new(), list: None, nodes: Vec::new() };
+    let mut parser = Parser {
+        source,
+        lexer,
+        token,
+        control,
+        max_nesting,
+        lenient,
+        blocks: Vec::new(),
+        list: None,
+        nodes: Vec::new(),
+    };
     parser.scene()?;
     Ok(parser.nodes)
 }
@@ -37,6 +46,7 @@ struct Parser<'a> {
     token: Token,
     control: &'a Control,
     max_nesting: u32,
+    lenient: bool,
     /// What is open, with its keyword's place: for messages about a file that is cut off.
     blocks: Vec<(&'static str, Offset)>,
     /// The list of the innermost block that is open.
@@ -188,25 +198,41 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// The error for a word that is no field of the block, with a hint when it is another dialect's.
-    fn unknown_field(&self, block: &str, word: &str, at: Offset) -> ImportError {
-        const FOREIGN: &[&str] = &[
-            "absorb",
-            "albedo",
-            "bump_map",
-            "cone_angle",
-            "cutoff",
-            "diffuse_map",
-            "emission",
-            "glossiness",
-            "normal_map",
-            "penumbra",
-            "specular_map",
-        ];
+    /// A word that is no field of the block: an error, with a hint when it is another dialect's, or passed over with its value.
+    fn unknown_field(&mut self, block: &str, word: &str, at: Offset) -> Result<()> {
+        const FOREIGN: &[&str] = &["absorb", "albedo", "cone_angle", "cutoff", "glossiness", "penumbra"];
+        if self.lenient {
+            self.skip_value()?;
+            self.nodes.push(Node::Ignored(At { at, value: format!("`{word}` in `{block}`") }));
+            return Ok(());
+        }
         if FOREIGN.contains(&word) {
             let message = format!("`{word}` in `{block}` belongs to another dialect of .ray and is not supported");
-            return self.source.error(ErrorCode::Unsupported, at, message);
+            return Err(self.source.error(ErrorCode::Unsupported, at, message));
         }
-        self.syntax(at, format!("`{block}` has no field `{word}`"))
+        Err(self.syntax(at, format!("`{block}` has no field `{word}`")))
+    }
+
+    /// Passes over `= value`, where the value is a word, number or string, or anything in brackets.
+    fn skip_value(&mut self) -> Result<()> {
+        if !self.accept(b'=')? && !self.at_punct(b'(') && !self.at_punct(b'{') {
+            return Ok(());
+        }
+        let mut depth = 0_u32;
+        loop {
+            self.control.check()?;
+            match self.token.kind {
+                TokenKind::End => return Err(self.unexpected("the end of a value")),
+                TokenKind::Punct(b'(' | b'{') => depth += 1,
+                TokenKind::Punct(b')' | b'}') if depth == 0 => return Err(self.unexpected("a value")),
+                TokenKind::Punct(b')' | b'}') => depth -= 1,
+                _ => {}
+            }
+            self.advance()?;
+            // `bump("file")` and its like: a word with brackets behind it.
+            if depth == 0 && !self.at_punct(b'(') {
+                return Ok(());
+            }
+        }
     }
 }

@@ -1,10 +1,10 @@
 use super::{Parser, Result};
 use crate::ray::source::{At, Offset};
-use crate::ray::tree::{MeshBlock, Node, Object, Shape, VertexMaterial};
+use crate::ray::tree::{MeshBlock, Node, Object, ObjectMap, Shape, VertexMaterial};
 
 /// The keyword of a primitive, with a lifetime that outlasts the file's.
 pub(super) fn primitive(word: &str) -> Option<&'static str> {
-    const WORDS: [&str; 7] = ["sphere", "box", "square", "cylinder", "cone", "trimesh", "polymesh"];
+    const WORDS: [&str; 8] = ["sphere", "sphere_light", "box", "square", "cylinder", "cone", "trimesh", "polymesh"];
     WORDS.into_iter().find(|known| *known == word)
 }
 
@@ -19,10 +19,24 @@ impl Parser<'_> {
             "trimesh" | "polymesh" => Shape::Mesh(Box::default()),
             _ => Shape::Sphere,
         };
-        let mut object = Object { name: String::new(), materials: Vec::new(), shape };
+        let mut object = Object { name: String::new(), materials: Vec::new(), maps: Vec::new(), emission: None, shape };
         self.block(keyword, opened, |p, word, at| match word {
             "material" => {
                 object.materials.push(p.assigned_material()?);
+                Ok(())
+            }
+            "diffuse_map" | "specular_map" | "normal_map" | "bump_map" => {
+                let map = match word {
+                    "diffuse_map" => ObjectMap::Diffuse,
+                    "specular_map" => ObjectMap::Specular,
+                    "normal_map" => ObjectMap::Normal,
+                    _ => ObjectMap::Bump,
+                };
+                object.maps.push((map, p.assigned(Self::string)?.value));
+                Ok(())
+            }
+            "emission" => {
+                object.emission = Some(p.assigned(|p| p.tuple(Self::single))?);
                 Ok(())
             }
             "name" => {
@@ -48,7 +62,7 @@ impl Parser<'_> {
                     Shape::Mesh(mesh) => p.mesh_field(mesh, object.materials.len(), word)?,
                     _ => false,
                 };
-                if known { Ok(()) } else { Err(p.unknown_field(keyword, word, at)) }
+                if known { Ok(()) } else { p.unknown_field(keyword, word, at) }
             }
         })?;
         self.nodes.push(Node::Object(At { at: opened, value: object }));

@@ -191,17 +191,8 @@ impl Parser<'_> {
     }
 
     fn unknown_element(&self, word: &str, at: Offset, top_level: bool) -> crate::ImportError {
-        const FOREIGN: &[&str] = &[
-            "csg",
-            "metaball",
-            "quadric",
-            "skybox",
-            "sphere_light",
-            "spot_light",
-            "torus",
-            "torus_knot",
-            "warn_light",
-        ];
+        const FOREIGN: &[&str] =
+            &["csg", "metaball", "quadric", "skybox", "spot_light", "torus", "torus_knot", "warn_light"];
         if FOREIGN.contains(&word) {
             let message = format!("`{word}` belongs to another dialect of .ray and is not supported");
             return self.source.error(ErrorCode::Unsupported, at, message);

@@ -8,7 +8,7 @@ const HEIGHT: f32 = 0.01;
 
 /// A tangent-space normal map (y against v) of the heights in one channel of an image. Colours in a height map count as
 /// they are stored.
-pub(super) fn to_normals(image: &Image, channel: Channel, clamp: bool) -> Image {
+pub fn to_normals(image: &Image, channel: Channel, clamp: bool) -> Image {
     let (width, height) = (image.width as usize, image.height as usize);
     let c = channel as usize;
     let at = |x: usize, y: usize| {
