@@ -49,13 +49,27 @@ pub(super) fn color(series: usize) -> [u8; 3] {
     COLORS[series % COLORS.len()]
 }
 
-/// The corners of a series' mark around its place; empty for a circle.
+/// The corners of a series' mark around its place; empty for a circle. When colours come again, they come with other marks.
 pub(super) fn mark(series: usize) -> &'static [(f64, f64)] {
-    match series % 5 {
+    match (series + series / COLORS.len()) % 5 {
         1 => &[(-4.5, -4.5), (4.5, -4.5), (4.5, 4.5), (-4.5, 4.5)],
         2 => &[(0.0, -6.0), (6.0, 5.0), (-6.0, 5.0)],
         3 => &[(0.0, -6.5), (6.5, 0.0), (0.0, 6.5), (-6.5, 0.0)],
         4 => &[(-6.0, -5.0), (6.0, -5.0), (0.0, 6.0)],
         _ => &[],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fifty_series_can_be_told_apart() {
+        let looks: Vec<_> =
+            (0..50).map(|series| (color(series), mark(series).len(), mark(series).first().copied())).collect();
+        for (k, look) in looks.iter().enumerate() {
+            assert!(!looks[..k].contains(look), "{k}");
+        }
     }
 }
