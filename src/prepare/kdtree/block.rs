@@ -59,11 +59,14 @@ impl Block<'_> {
     }
 }
 
+/// Which of the different corners of a block's triangles are theirs: sixteen first ones, second ones, third ones.
+pub type Indices = [[u8; BLOCK]; 3];
+
 /// The different corners of a block's triangles, told apart by their bits.
 struct Pool {
     points: [[u32; 3]; BLOCK],
     len: usize,
-    indices: [[u8; BLOCK]; 3],
+    indices: Indices,
 }
 
 impl Pool {
@@ -73,7 +76,8 @@ impl Pool {
         for (i, &id) in ids.iter().enumerate() {
             for (k, corner) in triangles.vertices(id).into_iter().enumerate() {
                 let point = corner.to_array().map(f32::to_bits);
-                let known = pool.points[..pool.len].iter().position(|p| *p == point);
+                // Neighbours in a mesh follow each other: the last ones first.
+                let known = pool.points[..pool.len].iter().rposition(|p| *p == point);
                 let at = known.unwrap_or(pool.len);
                 if known.is_none() {
                     *pool.points.get_mut(at)? = point;
@@ -86,39 +90,43 @@ impl Pool {
     }
 }
 
-/// The size of the pool that a block of these triangles should have: 0 where a plain block is smaller.
-pub fn pool_size<T: Triangles>(ids: &[u32], triangles: &T) -> usize {
+/// The size of the pool that a block of these triangles should have, and where their corners are in it: 0 where a plain block is
+/// smaller.
+pub fn pool<T: Triangles>(ids: &[u32], triangles: &T) -> (usize, Indices) {
+    let none = (0, [[0; BLOCK]; 3]);
     if ids.is_empty() || ids.len() > BLOCK {
-        return 0;
+        return none;
     }
-    let pool = Pool::find(ids, triangles).map_or(0, |pool| pool.len);
-    if words_of(ids.len(), pool) < words_of(ids.len(), 0) { pool } else { 0 }
+    match Pool::find(ids, triangles) {
+        Some(found) if words_of(ids.len(), found.len) < words_of(ids.len(), 0) => (found.len, found.indices),
+        _ => none,
+    }
 }
 
-/// Writes a block to `words`, which are as many as it takes.
-pub fn write<T: Triangles>(words: &mut [u32], ids: &[u32], pool: usize, triangles: &T) {
+/// Writes a block to `words`, which are as many as it takes; `pool` and `indices` are those of [`pool`].
+pub fn write<T: Triangles>(words: &mut [u32], ids: &[u32], pool: usize, indices: &Indices, triangles: &T) {
     let n = ids.len();
     for (word, &id) in words[words_of(n, pool) - n..].iter_mut().zip(ids) {
         *word = triangles.number(id);
     }
-    if pool > 0
-        && let Some(found) = Pool::find(ids, triangles)
-    {
-        for (i, point) in found.points[..pool].iter().enumerate() {
-            for axis in 0..3 {
-                words[axis * pool + i] = point[axis];
+    if pool == 0 {
+        for (i, &id) in ids.iter().enumerate() {
+            let coordinates = triangles.vertices(id).map(|v| v.to_array());
+            for (k, x) in coordinates.as_flattened().iter().enumerate() {
+                words[k * n + i] = x.to_bits();
             }
-        }
-        for (word, bytes) in words[3 * pool..].iter_mut().zip(found.indices.as_flattened().chunks_exact(4)) {
-            *word = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         }
         return;
     }
     for (i, &id) in ids.iter().enumerate() {
-        let coordinates = triangles.vertices(id).map(|v| v.to_array());
-        for (k, x) in coordinates.as_flattened().iter().enumerate() {
-            words[k * n + i] = x.to_bits();
+        for (corner, indices) in triangles.vertices(id).into_iter().zip(indices) {
+            for (axis, x) in corner.to_array().into_iter().enumerate() {
+                words[axis * pool + usize::from(indices[i])] = x.to_bits();
+            }
         }
+    }
+    for (word, bytes) in words[3 * pool..].iter_mut().zip(indices.as_flattened().chunks_exact(4)) {
+        *word = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
     }
 }
 
@@ -144,9 +152,9 @@ mod tests {
     fn both_forms_give_back_what_was_written() {
         for n in 1..=16usize {
             let ids: Vec<u32> = (0..n as u32).map(|i| i + 3).collect();
-            for pool in [0, pool_size(&ids, &Fan(30))] {
+            for (pool, indices) in [(0, [[0; BLOCK]; 3]), pool(&ids, &Fan(30))] {
                 let mut words = vec![0; words_of(n, pool)];
-                write(&mut words, &ids, pool, &Fan(30));
+                write(&mut words, &ids, pool, &indices, &Fan(30));
                 let block = Block { len: n, pool, words: &words };
                 for (i, &id) in ids.iter().enumerate() {
                     assert_eq!(block.triangle(i), id);
@@ -154,7 +162,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(pool_size(&(0..14).collect::<Vec<_>>(), &Fan(30)), 16, "14 triangles of a fan have 16 corners");
-        assert_eq!(pool_size(&(0..15).collect::<Vec<_>>(), &Fan(30)), 0, "15 have one too many");
+        assert_eq!(pool(&(0..14).collect::<Vec<_>>(), &Fan(30)).0, 16, "14 triangles of a fan have 16 corners");
+        assert_eq!(pool(&(0..15).collect::<Vec<_>>(), &Fan(30)).0, 0, "15 have one too many");
     }
 }

@@ -5,7 +5,7 @@
 
 use super::Triangles;
 use super::aligned::AlignedWords;
-use super::block::{self, Block, words_of};
+use super::block::{self, Block, Indices, words_of};
 use super::built::{Built, BuiltKind};
 use super::cpu::CpuMeter;
 use super::split::BLOCK;
@@ -54,8 +54,8 @@ pub struct Contents<'a> {
     triangles: &'a [u32],
     /// Where each leaf's references begin in the list of all; one more than there are leaves.
     begins: Vec<usize>,
-    /// The size of each leaf's pool.
-    pub pools: Vec<u32>,
+    /// The size of each leaf's pool, and where its triangles' corners are in it.
+    pub pools: Vec<(u32, Indices)>,
 }
 
 impl<'a> Contents<'a> {
@@ -69,12 +69,13 @@ impl<'a> Contents<'a> {
                 begins.push(end);
             }
         }
-        let mut pools = vec![0; begins.len() - 1];
+        let mut pools = vec![(0, [[0; BLOCK]; 3]); begins.len() - 1];
         pools.par_chunks_mut(FORK_ABOVE).enumerate().for_each(|(chunk, pools)| {
             cpu.measure(|| {
                 for (i, pool) in pools.iter_mut().enumerate() {
                     let leaf = chunk * FORK_ABOVE + i;
-                    *pool = block::pool_size(&built.triangles[begins[leaf]..begins[leaf + 1]], triangles) as u32;
+                    let (len, indices) = block::pool(&built.triangles[begins[leaf]..begins[leaf + 1]], triangles);
+                    *pool = (len as u32, indices);
                 }
             });
         });
@@ -89,7 +90,7 @@ impl<'a> Contents<'a> {
 /// Deals out places for leaves.
 #[derive(Debug)]
 pub struct Planner<'a> {
-    pools: &'a [u32],
+    pools: &'a [(u32, Indices)],
     leaves: Vec<Leaf>,
     /// The order in which leaves lie in the store, by their numbers.
     order: Vec<u32>,
@@ -98,7 +99,7 @@ pub struct Planner<'a> {
 
 impl<'a> Planner<'a> {
     /// For leaves whose pools have these sizes.
-    pub fn new(pools: &'a [u32]) -> Self {
+    pub fn new(pools: &'a [(u32, Indices)]) -> Self {
         Self { pools, leaves: vec![Leaf { first: 0, count: 0, pool: 0 }; pools.len()], order: Vec::new(), next: 0 }
     }
 
@@ -114,7 +115,7 @@ impl Places for Planner<'_> {
     }
 
     fn place(&mut self, number: u32, count: u32) -> Leaf {
-        let pool = self.pools[number as usize];
+        let (pool, _) = self.pools[number as usize];
         let leaf = Leaf { first: self.next + u32::from(count as usize > BLOCK), count, pool };
         self.next = leaf.first + leaf.grains();
         self.order.push(number);
@@ -135,13 +136,14 @@ impl LeafStore {
             &|words, grain, number| {
                 let leaf = leaves[number as usize];
                 let ids = contents.ids(number);
+                let (_, indices) = &contents.pools[number as usize];
                 let mut at = (leaf.first - grain) as usize * GRAIN;
                 if ids.len() > BLOCK {
                     words[at - GRAIN] = leaf.count;
                 }
                 for block in ids.chunks(BLOCK) {
                     let len = words_of(block.len(), leaf.pool as usize);
-                    block::write(&mut words[at..at + len], block, leaf.pool as usize, triangles);
+                    block::write(&mut words[at..at + len], block, leaf.pool as usize, indices, triangles);
                     at += grains_of(block.len(), leaf.pool as usize) * GRAIN;
                 }
             },

@@ -99,9 +99,9 @@ fn check(kernel: impl Kernel) -> u32 {
         let points: Vec<Vec3> = (0..len + 2).map(|_| random.point()).collect();
         let strip = Strip(points.windows(3).map(|w| [w[0], w[1], w[2]]).collect());
         let ids: Vec<u32> = (0..len as u32).collect();
-        for pool in [0, block::pool_size(&ids, &strip)] {
+        for (pool, indices) in [(0, [[0; 16]; 3]), block::pool(&ids, &strip)] {
             let mut words = vec![0; words_of(len, pool)];
-            block::write(&mut words, &ids, pool, &strip);
+            block::write(&mut words, &ids, pool, &indices, &strip);
             words.resize(words.len() + 64, u32::MAX);
             let block = Block { len, pool, words: &words };
             let target = strip.0[i % len].iter().sum::<Vec3>() / 3.0;
