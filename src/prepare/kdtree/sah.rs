@@ -23,7 +23,7 @@ const LARGE_LEAF_SLACK: f32 = 1.3;
 pub fn choose(judge: impl Judge, refs: &[Reference], cell: &Cell) -> Option<Plane> {
     let n = refs.len();
     let stride = if n > SAMPLE_ABOVE { SAMPLE_STRIDE } else { 1 };
-    let rows = if n > REFINE_UP_TO { 2 } else { 1 };
+    let rows = if n > SAMPLE_ABOVE { 2 } else { 1 };
     let looked_at = n.div_ceil(stride);
     let mut best: Option<Candidate> = None;
     for axis in 0..3 {
