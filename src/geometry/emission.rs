@@ -9,7 +9,7 @@ use kiln_formats::Scene;
 use kiln_formats::scene::{AlphaMode, ColorInput, Material, Surface};
 
 /// The emission input of a material and whether its back emits. Unlit surfaces emit what they show.
-fn input(material: &Material) -> (&ColorInput, bool) {
+pub(super) fn input(material: &Material) -> (&ColorInput, bool) {
     match &material.surface {
         Surface::Unlit(shown) => (shown, material.double_sided),
         _ => (&material.emission, material.emission_two_sided),
@@ -18,6 +18,9 @@ fn input(material: &Material) -> (&ColorInput, bool) {
 
 /// Radiance that a triangle emits at barycentric weights `b` to its front or back, without regard to coverage.
 pub fn emitted(scene: &Scene, geometry: &Geometry, triangle: u32, b: [f32; 3], front: bool) -> Vec3 {
+    if geometry.is_dark(triangle) {
+        return Vec3::ZERO;
+    }
     let material = &scene.materials[geometry.material(scene, triangle) as usize];
     let (input, two_sided) = input(material);
     if input.is_black() || !(front || two_sided) {

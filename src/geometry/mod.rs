@@ -2,8 +2,11 @@
 
 mod coverage;
 pub mod emission;
+mod known;
+mod marks;
 mod parts;
 mod pyramid;
+mod records;
 mod shapes;
 pub mod textures;
 mod textures_lanes;
@@ -13,6 +16,7 @@ mod world;
 pub use coverage::coverage;
 pub use parts::Part;
 pub use pyramid::Pyramids;
+pub use records::Record;
 pub use shapes::{Shape, Sharing};
 pub use textures_lanes::TexturesLanes;
 pub use triangles::{Attributes, Geometry, Texturing};

@@ -36,7 +36,7 @@ pub(super) static SRGB_8: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
 
 /// One texel, linear.
-fn texel(image: &Image, space: ColorSpace, x: u32, y: u32) -> Vec4 {
+pub(super) fn texel(image: &Image, space: ColorSpace, x: u32, y: u32) -> Vec4 {
     let at = 4 * (y as usize * image.width as usize + x as usize);
     match &image.pixels {
         Pixels::Rgba8(p) => {

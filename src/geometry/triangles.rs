@@ -1,5 +1,7 @@
 use super::WorldFrame;
+use super::known::Known;
 use super::parts::{Part, PartIndex, Store};
+use super::records::{MOST, Record};
 use super::shapes::{Shape, Shared, Sharing, normal_of};
 use crate::math::Placement;
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -10,6 +12,8 @@ use kiln_formats::scene::{MaterialId, Mesh};
 /// others; attributes are read from the scene's meshes.
 #[derive(Debug, Default)]
 pub struct Geometry {
+    /// All triangles where none are shared and there are not too many of them; then `positions`, `corners` and `normals` are empty.
+    records: Vec<Record>,
     positions: Vec<Vec3>,
     /// Corners of the triangles that are not shared; likewise the next rows but one.
     corners: Vec<[u32; 3]>,
@@ -26,6 +30,7 @@ pub struct Geometry {
     shapes: Vec<Shape>,
     /// All triangles.
     count: u32,
+    known: Known,
     /// Triangles left out because they have no area.
     pub degenerate: u64,
 }
@@ -98,7 +103,35 @@ impl Geometry {
             }
         }
         all.index = PartIndex::new(&all.parts, all.count);
+        if all.shapes.is_empty() {
+            let ends = all.parts.iter().skip(1).map(|part| part.first_triangle).chain([all.count]);
+            let runs = all.parts.iter().zip(ends).map(|(part, end)| {
+                (&scene.meshes[part.mesh as usize], &all.local[part.first_triangle as usize..end as usize])
+            });
+            all.known = Known::new(scene, runs, all.count as usize);
+            if all.count as usize <= MOST {
+                all.record(scene);
+            }
+        }
         all
+    }
+
+    /// Brings together what is known of each triangle.
+    fn record(&mut self, scene: &Scene) {
+        let record = |triangle: u32| Record {
+            corners: self.corners(triangle),
+            normal: self.unit_normal(triangle),
+            part: self.part_index(triangle),
+            vertices: self.source(scene, triangle).1.map(|v| v as u32),
+        };
+        self.records = (0..self.count).map(record).collect();
+        (self.positions, self.corners, self.normals) = Default::default();
+    }
+
+    /// All that is asked of a triangle most, where it lies together.
+    #[inline]
+    pub fn known_record(&self, triangle: u32) -> Option<&Record> {
+        self.records.get(triangle as usize)
     }
 
     fn add_shared(&mut self, part: Part, shape: u32) {
@@ -181,15 +214,15 @@ impl Geometry {
     /// The corners of a triangle.
     #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        if self.shapes.is_empty() {
-            return self.corners[triangle as usize].map(|i| self.positions[i as usize]);
+        match self.known_record(triangle) {
+            Some(record) => record.corners,
+            None => self.corners_looked_up(triangle),
         }
-        self.corners_among_shared(triangle)
     }
 
     #[inline(never)]
-    fn corners_among_shared(&self, triangle: u32) -> [Vec3; 3] {
-        match self.at_among_shared(triangle) {
+    fn corners_looked_up(&self, triangle: u32) -> [Vec3; 3] {
+        match self.at(triangle) {
             At::Own(at) => self.corners[at].map(|i| self.positions[i as usize]),
             At::Shared(part, shape, at) => shape.corners[at].map(|i| part.placement.point(shape.positions[i as usize])),
         }
@@ -202,26 +235,54 @@ impl Geometry {
     }
 
     /// Unit normal on the front of a triangle.
+    #[inline]
     pub fn unit_normal(&self, triangle: u32) -> Vec3 {
+        match self.known_record(triangle) {
+            Some(record) => record.normal,
+            None => self.normal_looked_up(triangle),
+        }
+    }
+
+    #[inline(never)]
+    fn normal_looked_up(&self, triangle: u32) -> Vec3 {
         match self.at(triangle) {
             At::Own(at) => self.normals[at],
             At::Shared(part, ..) => normal_of(self.corners(triangle)).map_or(Vec3::ZERO, |normal| unit(normal, part)),
         }
     }
 
+    /// Whether a triangle stops every ray, or none; `None` where that depends on the point, or is not known.
+    #[inline]
+    pub fn known_coverage(&self, triangle: u32) -> Option<bool> {
+        self.known.coverage(triangle as usize)
+    }
+
+    /// Whether it is known that an emissive texture is black all over a triangle.
+    #[inline]
+    pub fn is_dark(&self, triangle: u32) -> bool {
+        self.known.dark(triangle as usize)
+    }
+
     /// The placement that a triangle belongs to.
     pub fn part(&self, triangle: u32) -> &Part {
-        &self.parts[self.index.find(triangle) as usize]
+        &self.parts[self.part_index(triangle) as usize]
     }
 
     /// Index of the placement that a triangle belongs to.
+    #[inline]
     pub fn part_index(&self, triangle: u32) -> u32 {
-        self.index.find(triangle)
+        match self.known_record(triangle) {
+            Some(record) => record.part,
+            None => self.index.find(triangle),
+        }
     }
 
     /// The mesh of a triangle, and the triangle's vertices in it.
     pub fn source<'s>(&self, scene: &'s Scene, triangle: u32) -> (&'s Mesh, [usize; 3]) {
         let mesh = &scene.meshes[self.part(triangle).mesh as usize];
+        if let Some(record) = self.known_record(triangle) {
+            return (mesh, record.vertices.map(|v| v as usize));
+        }
         (mesh, mesh.triangles[self.number_in_mesh(triangle) as usize].map(|i| i as usize))
     }
 
@@ -261,6 +322,11 @@ impl Geometry {
     /// Normals at the corners of a triangle on its front, in the rays' frame and not of unit length, where the mesh has normals
     /// (zero where they are no vectors).
     pub fn corner_normals(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        if let Some(record) = self.known_record(triangle) {
+            let Store::Own { normals_from, .. } = self.parts[record.part as usize].store else { return None };
+            let (first, _) = normals_from?;
+            return Some(record.vertices.map(|v| self.vertex_normals[(first + v) as usize]));
+        }
         match self.at(triangle) {
             At::Own(at) => {
                 let Store::Own { normals_from, .. } = self.part(triangle).store else { return None };

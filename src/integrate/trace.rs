@@ -35,6 +35,12 @@ pub(super) fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec
         return true;
     }
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);
+    // Most triangles of cut-outs are whole or open all over.
+    match geometry.known_coverage(hit.triangle).filter(|_| prepared.asks.covers) {
+        Some(false) => return false,
+        Some(true) if !(asker.eye && prepared.asks.culls) => return true,
+        _ => {}
+    }
     let filters = prepared.ways[geometry.part_index(hit.triangle) as usize].filters;
     if filters.culled && asker.eye && geometry.unit_normal(hit.triangle).dot(dir) > 0.0 {
         return false;

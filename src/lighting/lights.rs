@@ -79,7 +79,8 @@ impl Lights {
         lights.first_of_part = vec![None; geometry.parts.len()];
         for triangle in 0..geometry.len() as u32 {
             let Some(source) = &sources[geometry.material(scene, triangle) as usize] else { continue };
-            if hidden.contains(&triangle) {
+            let unseen = geometry.is_dark(triangle) || geometry.known_coverage(triangle) == Some(false);
+            if unseen || hidden.contains(&triangle) {
                 continue;
             }
             let part = geometry.part_index(triangle);
@@ -231,7 +232,7 @@ impl Lights {
         }
         let part = geometry.part_index(triangle);
         let Some(first) = self.first_of_part[part as usize] else { return 0.0 };
-        // Triangles of a part emit all or none, but for those that are hidden by others in the same place.
+        // Triangles of a part emit all or none, but for those that are dark or hidden by others in the same place.
         let guess = (first + triangle - geometry.parts[part as usize].first_triangle) as usize;
         let emitter = if self.triangles.get(guess) == Some(&triangle) {
             guess

@@ -7,6 +7,7 @@ use crate::geometry::emission;
 use crate::integrate::direct::emission_weight;
 use crate::integrate::vertex::Place;
 use crate::integrate::walk::Company;
+use crate::lanes::LANES;
 use crate::math::Hit;
 use crate::prepare::Way;
 use crate::prepare::kdtree::NO_TRIANGLE;
@@ -41,13 +42,20 @@ impl Wave<'_> {
         let prepared = course.prepared;
         let lanes_can = course.lanes_can();
         let mut sorted = Sorted { lanes: 0, smooth: 0, rough: 0, glass: 0, visited: 0 };
-        for lane in 0..count {
+        // In a loop of its own, so that what is not in the cache comes for all of them at once.
+        let mut parts = [0; LANES];
+        for (part, triangle) in parts.iter_mut().zip(&self.memory.hits.words(hit::TRIANGLE)[at..at + count]) {
+            if *triangle != NO_TRIANGLE {
+                *part = prepared.geometry.part_index(*triangle);
+            }
+        }
+        for (lane, part) in parts.into_iter().enumerate().take(count) {
             let i = at + lane;
             let triangle = self.memory.hits.word(hit::TRIANGLE, i);
             if triangle == NO_TRIANGLE {
                 continue;
             }
-            let part = &prepared.ways[prepared.geometry.part_index(triangle) as usize];
+            let part = &prepared.ways[part as usize];
             let inside = self.memory.paths.word(path::FLAGS, i) & path::INSIDE != 0;
             if part.way == Way::Any || inside && part.way != Way::Glass || !lanes_can {
                 sorted.visited |= u32::from(self.visit(depth, i, (lane, waiting))) << lane;
@@ -56,7 +64,7 @@ impl Wave<'_> {
             if part.way == Way::Glass {
                 self.enter_glass(i, lane, fetch);
             }
-            if part.emits {
+            if part.emits && !prepared.geometry.is_dark(triangle) {
                 self.add_emission(i);
             }
             if depth == course.settings.max_depth {

@@ -74,7 +74,7 @@ struct Fetched<const N: usize>([[f32; LANES]; N]);
 impl<const N: usize> Fetched<N> {
     fn put(&mut self, row: usize, lane: usize, v: Vec3) {
         for (k, x) in v.to_array().into_iter().enumerate() {
-            self.0[row + k][lane] = x;
+            self.0[row + k][lane % LANES] = x;
         }
     }
 
