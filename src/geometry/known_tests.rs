@@ -1,15 +1,19 @@
 use super::*;
 use crate::geometry::textures::color;
 use crate::geometry::{Geometry, coverage, world_bounds};
-use crate::sampling::{hash_combine, unit_float};
 use glam::{DAffine3, Vec3};
 use kiln_formats::scene::{ColorInput, ColorSpace, Filter, Instance, ScalarInput, UvTransform, Wrap};
 
 /// Edges of an image in texels.
 const SIZE: u32 = 64;
 
+/// In [0, 1).
 fn number(i: u32, k: u32) -> f32 {
-    unit_float(hash_combine(i, k))
+    let mut x = i.wrapping_mul(0x9e37_79b9) ^ k.wrapping_mul(0x85eb_ca6b);
+    for _ in 0..2 {
+        x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    }
+    (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
 /// Squares of 16 texels: alpha and colour full, empty, or noise.
