@@ -7,13 +7,14 @@ use kiln_formats::scene::{ColorInput, ColorSpace, Filter, Instance, ScalarInput,
 /// Edges of an image in texels.
 const SIZE: u32 = 64;
 
-/// In [0, 1).
+/// In [0, 1), from two words (the hash of `sampling`, which geometry knows nothing of).
 fn number(i: u32, k: u32) -> f32 {
-    let mut x = i.wrapping_mul(0x9e37_79b9) ^ k.wrapping_mul(0x85eb_ca6b);
-    for _ in 0..2 {
-        x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
-    }
-    (x >> 8) as f32 * (1.0 / 16_777_216.0)
+    let pcg = |x: u32| {
+        let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+        (word >> 22) ^ word
+    };
+    (pcg(pcg(k).wrapping_add(i.rotate_left(5)) ^ i) >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
 /// Squares of 16 texels: alpha and colour full, empty, or noise.
