@@ -9,7 +9,7 @@ use clap::{Args, value_parser};
 use kiln::Control;
 use kiln::batch::Job;
 use kiln::formats::Limits;
-use kiln::plan::{Forecast, Foretold, Interval, probe};
+use kiln::plan::{Forecast, Foretold, Interval, Waiting, probe};
 use kiln::settings::PictureFormat;
 use serde_json::json;
 use std::path::PathBuf;
@@ -64,6 +64,7 @@ impl PlanCommand {
         let interrupt = Interrupt::watch(&control);
         let base = kiln::batch::workers::held_bytes().unwrap_or(0);
         let mut foretold: Vec<Foretold> = Vec::new();
+        let waited = Waiting::now();
         for job in &jobs {
             let one = probe(job, &control, environment.clone());
             if interrupt.happened() {
@@ -74,8 +75,9 @@ impl PlanCommand {
             }
             foretold.push(one);
         }
+        let waited = waited.and_then(|before| Waiting::now()?.per_second_since(&before));
         let workers = self.jobs.map_or(threads, usize::from);
-        let forecast = Forecast::of(&foretold, workers, threads, base);
+        let forecast = Forecast::of(&foretold, workers, threads, base, waited);
         let failing = forecast.assets.iter().filter(|a| a.error_message.is_some()).count();
         if self.options.json {
             let mut value = json!(forecast);

@@ -54,11 +54,12 @@ const OWN: f64 = 0.3;
 
 impl Forecast {
     /// Of a batch with so many `workers` on so many `cores`, in the order of the batch. `base` are the bytes that the process
-    /// holds without any asset.
-    pub fn of(foretold: &[Foretold], workers: usize, cores: usize, base: u64) -> Self {
+    /// holds without any asset, `waited` the seconds that the probes waited for a processor for each one that they had it
+    /// ([`Waiting`](super::Waiting)), if that is known.
+    pub fn of(foretold: &[Foretold], workers: usize, cores: usize, base: u64, waited: Option<f64>) -> Self {
         let stages: Vec<StageSeconds> = foretold.iter().map(|f| f.cpu_seconds).collect();
         let cpu: f64 = stages.iter().map(|s| s.total).sum();
-        let slowdown = slowdown(foretold, cores);
+        let slowdown = waited.map_or_else(|| slowdown(foretold, cores), |waited| 1.0 + waited);
         let played = play(&stages, workers, cores as f64);
         let squares: f64 = stages.iter().map(|s| s.total * s.total).sum();
         let own = if cpu > 0.0 { OWN * squares.sqrt() / cpu } else { 0.0 };
@@ -92,7 +93,8 @@ fn entry(foretold: &Foretold, cpu: f64) -> Entry {
 /// Measured: scripts/runs/2026-11-22-plan.md.
 const UNEVEN: f64 = 1.1;
 
-/// How much longer the probes took than their CPU seconds explain: other work on the machine, and waiting for files.
+/// How much longer the probes took than their CPU seconds explain, where the system does not tell who waited: other work on the machine, and
+/// waiting for files.
 fn slowdown(foretold: &[Foretold], cores: usize) -> f64 {
     let (mut ideal, mut real) = (0.0, 0.0);
     for Foretold { probe, .. } in foretold {

@@ -3,6 +3,8 @@
 mod forecast;
 mod probe;
 mod schedule;
+mod waiting;
 
 pub use forecast::{Entry, Forecast, Interval};
 pub use probe::{Foretold, probe};
+pub use waiting::Waiting;
