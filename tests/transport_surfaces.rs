@@ -13,7 +13,7 @@ use kiln::formats::scene::{
 };
 use kiln::integrate::{Rendered, View};
 use kiln::prepare::{EnvironmentSource, has_own_light};
-use kiln::settings::{PrepareSettings, RenderSettings, SamplerKind, Strategy};
+use kiln::settings::{Integrator, PrepareSettings, RenderSettings, SamplerKind, Strategy};
 use std::f64::consts::PI;
 
 const WHITE: EnvironmentSource = EnvironmentSource::Constant([1.0; 3]);
@@ -294,9 +294,24 @@ fn fine_textures_are_seen_as_their_mean() {
         ..Scene::default()
     };
     let mesh = Mesh { uvs: [vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], Vec::new()], ..square() };
+    let shown = ColorInput { factor: [1.0; 3], texture: Some(TextureRef::new(0)) };
     let mut board = lambert(1.0, 0.0);
     let Surface::MetalRough(m) = &mut board.surface else { panic!("lambert() is metal-rough") };
-    m.base_color.texture = Some(TextureRef::new(0));
+    m.base_color = shown;
+    let unlit = Material { surface: Surface::Unlit(shown), ..Material::default() };
+    let screen = Material { emission: shown, emission_two_sided: true, ..lambert(0.0, 0.0) };
+    for board in [unlit, screen] {
+        let mut scene = scene.clone();
+        add(&mut scene, mesh.clone(), board, DAffine3::IDENTITY);
+        for integrator in [Integrator::Path, Integrator::Plain] {
+            let view = view(DVec3::new(0.1, 0.05, 3.0), DVec3::ZERO, 30.0, 4);
+            let settings = RenderSettings { spp: 4, integrator, ..RenderSettings::default() };
+            let rendered = shoot(&scene, &WHITE, &PrepareSettings::default(), &settings, &view);
+            let grey = rendered.picture.pixels.iter().map(|p| f64::from(p[1]));
+            let spread = grey.fold(0.0f64, |most, g| most.max((g - 0.5).abs()));
+            assert!(spread < 0.01, "{spread}");
+        }
+    }
     add(&mut scene, mesh, board, DAffine3::IDENTITY);
     let spread = |eye: DVec3, degrees: f64| {
         let rendered = shot(&scene, &WHITE, &view(eye, DVec3::ZERO, degrees, 4), 4);

@@ -2,7 +2,8 @@
 
 use super::Geometry;
 use super::coverage;
-use super::textures::{color, lookup};
+use super::pyramid::Pyramids;
+use super::textures::{Reader, color, lookup};
 use crate::math::luminance;
 use glam::Vec3;
 use kiln_formats::Scene;
@@ -18,6 +19,31 @@ pub(super) fn input(material: &Material) -> (&ColorInput, bool) {
 
 /// Radiance that a triangle emits at barycentric weights `b` to its front or back, without regard to coverage.
 pub fn emitted(scene: &Scene, geometry: &Geometry, triangle: u32, b: [f32; 3], front: bool) -> Vec3 {
+    emitted_by(scene, geometry, triangle, b, front, |input, uv| color(scene, input, &uv))
+}
+
+/// As [`emitted`], as a ray sees it that covers an area of `footprint` in each set of texture coordinates.
+pub fn seen(
+    scene: &Scene,
+    geometry: &Geometry,
+    pyramids: &Pyramids,
+    (triangle, b, front): (u32, [f32; 3], bool),
+    footprint: impl FnOnce() -> [f32; 2],
+) -> Vec3 {
+    emitted_by(scene, geometry, triangle, b, front, |input, uv| {
+        let footprint = if input.texture.is_some() { footprint() } else { [0.0; 2] };
+        Reader { scene, pyramids, uv, footprint }.color(input)
+    })
+}
+
+fn emitted_by(
+    scene: &Scene,
+    geometry: &Geometry,
+    triangle: u32,
+    b: [f32; 3],
+    front: bool,
+    look: impl FnOnce(&ColorInput, [[f32; 2]; 2]) -> Vec3,
+) -> Vec3 {
     if geometry.is_dark(triangle) {
         return Vec3::ZERO;
     }
@@ -31,7 +57,7 @@ pub fn emitted(scene: &Scene, geometry: &Geometry, triangle: u32, b: [f32; 3], f
         _ => Vec3::ONE,
     };
     let uv = if input.texture.is_some() { geometry.uv(scene, triangle, b) } else { [[0.0; 2]; 2] };
-    shown * color(scene, input, &uv)
+    shown * look(input, uv)
 }
 
 /// As [`emitted`], times the coverage there: what a ray to that point receives on the average.

@@ -3,10 +3,12 @@
 use super::medium::Inside;
 use super::record::{PathEvent, Recorder};
 use super::trace::{Asker, visibility};
-use super::vertex::{Place, Vertex};
+use super::vertex::{Place, Vertex, footprint};
 use super::walk::{Company, Course, Sent};
+use crate::geometry::emission;
 use crate::lanes::Floats;
 use crate::lighting::{LightReach, Receiver};
+use crate::math::Hit;
 use crate::prepare::PreparedScene;
 use crate::sampling::Purpose;
 use crate::settings::{RenderSettings, Strategy};
@@ -105,6 +107,19 @@ pub(super) fn emission_weight(
     found_weight(settings, sent, |receiver| {
         prepared.lights.pdf_triangle(&prepared.geometry, place.triangle, receiver, place.point, reach)
     })
+}
+
+/// Radiance that a path finds at its hit. What nothing but this path can find is seen as wide as the path is there; what light
+/// samples bring as well is read from the full image, as they do: both have to tell of the same light.
+pub(super) fn emission_found(prepared: &PreparedScene, hit: &Hit, front: bool, sent: &Sent, width: f32) -> Vec3 {
+    let (scene, geometry) = (&prepared.scene, &prepared.geometry);
+    let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
+    match sent.smooth {
+        Some(_) => emission::emitted(scene, geometry, hit.triangle, b, front),
+        None => emission::seen(scene, geometry, &prepared.pyramids, (hit.triangle, b, front), || {
+            footprint(prepared, hit.triangle, width)
+        }),
+    }
 }
 
 pub(super) fn environment(

@@ -179,7 +179,7 @@ impl Vertex {
 }
 
 /// The area that a ray's cone covers, in each set of texture coordinates.
-fn footprint(prepared: &PreparedScene, triangle: u32, width: f32) -> [f32; 2] {
+pub(super) fn footprint(prepared: &PreparedScene, triangle: u32, width: f32) -> [f32; 2] {
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);
     match prepared.asks.textured {
         false => [0.0; 2],

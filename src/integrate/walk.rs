@@ -1,12 +1,11 @@
 //! One step of a path, whoever follows it.
 
 use super::cone::Cone;
-use super::direct::{direct, emission_weight, environment, reach};
+use super::direct::{direct, emission_found, emission_weight, environment, reach};
 use super::medium::Inside;
 use super::record::{PathEvent, Recorder};
 use super::vertex::{Outgoing, Place, Vertex};
 use super::{RayCounts, View};
-use crate::geometry::emission;
 use crate::lighting::{LightReach, Receiver};
 use crate::math::Hit;
 use crate::prepare::PreparedScene;
@@ -124,8 +123,7 @@ impl<'a> Course<'a> {
         if transmittance != Vec3::ONE {
             with.recorder.note(|| PathEvent::Absorbed { transmittance, throughput: walk.throughput });
         }
-        let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
-        let emitted = emission::emitted(&prepared.scene, &prepared.geometry, hit.triangle, b, place.front);
+        let emitted = emission_found(prepared, &hit, place.front, &walk.sent, walk.cone.width);
         if emitted != Vec3::ZERO {
             let weight = emission_weight(prepared, settings, reach, &walk.sent, &place);
             let contribution = walk.throughput * emitted * weight;

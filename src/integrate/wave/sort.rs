@@ -3,8 +3,7 @@
 use super::surface::Fetch;
 use super::waiting::Waiting;
 use super::{Wave, hit, path};
-use crate::geometry::emission;
-use crate::integrate::direct::emission_weight;
+use crate::integrate::direct::{emission_found, emission_weight};
 use crate::integrate::vertex::Place;
 use crate::integrate::walk::Company;
 use crate::lanes::LANES;
@@ -116,8 +115,7 @@ impl Wave<'_> {
         let prepared = course.prepared;
         let (hit, walk) = (self.hit(i), self.memory.walk(i));
         let Some(place) = Place::new(prepared, &hit, walk.dir) else { return };
-        let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
-        let emitted = emission::emitted(&prepared.scene, &prepared.geometry, hit.triangle, b, place.front);
+        let emitted = emission_found(prepared, &hit, place.front, &walk.sent, walk.cone.at(hit.t).width);
         if emitted != Vec3::ZERO {
             let weight = emission_weight(prepared, course.settings, course.reach, &walk.sent, &place);
             self.slot(i).radiance += walk.throughput * emitted * weight;
