@@ -200,14 +200,27 @@ impl<'a> Parser<'a> {
 
     /// A word that is no field of the block: an error, with a hint when it is another dialect's, or passed over with its value.
     fn unknown_field(&mut self, block: &str, word: &str, at: Offset) -> Result<()> {
-        const FOREIGN: &[&str] = &["absorb", "albedo", "cone_angle", "cutoff", "glossiness", "penumbra"];
+        const FOREIGN: &[&str] = &[
+            "absorb",
+            "albedo",
+            "cone_angle",
+            "cutoff",
+            "glossiness",
+            "metallic",
+            "penumbra",
+            "roughness",
+            "translucency",
+            "type",
+        ];
         if self.lenient {
             self.skip_value()?;
             self.nodes.push(Node::Ignored(At { at, value: format!("`{word}` in `{block}`") }));
             return Ok(());
         }
         if FOREIGN.contains(&word) {
-            let message = format!("`{word}` in `{block}` belongs to another dialect of .ray and is not supported");
+            let message = format!(
+                "`{word}` in `{block}` belongs to another dialect of .ray and is not supported; `--ray-dialect hk` passes over it"
+            );
             return Err(self.source.error(ErrorCode::Unsupported, at, message));
         }
         Err(self.syntax(at, format!("`{block}` has no field `{word}`")))
