@@ -275,6 +275,49 @@ fn next_to_nothing_renders() {
     }
 }
 
+/// Lamps on a dark board, seen from afar: as bright on a grid of small triangles, most of which lie under black texels alone, as on two large ones.
+#[test]
+fn small_lamps_keep_their_light_on_any_mesh() {
+    let size = 64u32;
+    let lit = |k: u32| (30..34).contains(&(k % size)) && (30..34).contains(&(k / size));
+    let pixels = (0..size * size).flat_map(|k| [[u8::from(lit(k)) * 255; 3].as_slice(), &[255]].concat()).collect();
+    let scene = Scene {
+        images: vec![Image { name: String::new(), width: size, height: size, pixels: Pixels::Rgba8(pixels) }],
+        textures: vec![Texture {
+            image: 0,
+            wrap_u: Wrap::Clamp,
+            wrap_v: Wrap::Clamp,
+            filter: Filter::Linear,
+            color_space: ColorSpace::Srgb,
+        }],
+        ..Scene::default()
+    };
+    let grid = |n: u32| {
+        let at = |k: u32| [(k % (n + 1)) as f32 / n as f32, (k / (n + 1)) as f32 / n as f32];
+        let uvs: Vec<[f32; 2]> = (0..(n + 1) * (n + 1)).map(at).collect();
+        let positions = uvs.iter().map(|[u, v]| [2.0 * u - 1.0, 2.0 * v - 1.0, 0.0]).collect();
+        let quad = |k: u32| {
+            let a = k / n * (n + 1) + k % n;
+            [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]
+        };
+        Mesh { positions, uvs: [uvs, Vec::new()], triangles: (0..n * n).flat_map(quad).collect(), ..Mesh::default() }
+    };
+    let shown = ColorInput { factor: [100.0; 3], texture: Some(TextureRef::new(0)) };
+    let screen = Material { emission: shown, emission_two_sided: true, ..lambert(0.0, 0.0) };
+    for integrator in [Integrator::Path, Integrator::Plain] {
+        let light = |n: u32| {
+            let mut scene = scene.clone();
+            add(&mut scene, grid(n), screen.clone(), DAffine3::IDENTITY);
+            let settings = RenderSettings { spp: 64, integrator, ..RenderSettings::default() };
+            let view = view(DVec3::new(0.0, 0.0, 8.0), DVec3::ZERO, 20.0, 6);
+            let rendered = shoot(&scene, &EnvironmentSource::None, &PrepareSettings::default(), &settings, &view);
+            rendered.picture.pixels.iter().map(|p| f64::from(p[1])).sum::<f64>()
+        };
+        let (coarse, fine) = (light(1), light(16));
+        assert!(coarse > 1.0 && (fine / coarse - 1.0).abs() < 0.02, "{coarse} {fine}");
+    }
+}
+
 /// A board of a million squares in sixteen pixels: four samples a pixel see grey, where single texels would be black or
 /// white; so do rays that a mirror turns, and the picture stays sharp where the texture is large.
 #[test]

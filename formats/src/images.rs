@@ -101,6 +101,9 @@ fn decode_unguarded(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, 
     if texels == 0 {
         return Err(error(ErrorCode::Invalid, "has no pixels".into()));
     }
+    if format == ImageFormat::OpenExr {
+        plausible_exr(bytes, max_texels).map_err(|message| error(ErrorCode::TooLarge, message))?;
+    }
     let needed = decoder.total_bytes().saturating_add(4 * texels);
     let decoded = DynamicImage::from_decoder(decoder).map_err(|e| {
         // A decoder speaks of memory also where a corrupt file asks for too much of it.
@@ -124,6 +127,28 @@ fn decode_unguarded(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, 
         d => Pixels::Rgba8(d.into_rgba8().into_raw()),
     };
     Ok(Image { name: name.into(), width, height, pixels })
+}
+
+/// Uncompressed bytes that a byte of an EXR file can stand for at most, generously: deflate's best is 1030.
+const MOST_OF_A_BYTE: u64 = 4096;
+
+/// An EXR file has two windows, of which decoders believe either: what is stored, and what is to be shown. Neither may be much more than the
+/// file's bytes can hold.
+fn plausible_exr(bytes: &[u8], max_texels: u64) -> Result<(), String> {
+    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| e.to_string())?;
+    let area = |size: exr::math::Vec2<usize>| (size.0 as u64).saturating_mul(size.1 as u64);
+    let can_hold = (bytes.len() as u64).saturating_mul(MOST_OF_A_BYTE);
+    for header in &meta.headers {
+        let (stored, shown) = (area(header.layer_size), area(header.shared_attributes.display_window.size));
+        let needed = stored.max(shown).saturating_mul(header.channels.bytes_per_pixel.max(1) as u64);
+        if stored.max(shown) > max_texels || needed > can_hold {
+            return Err(format!(
+                "an EXR header that claims {stored} texels, {shown} of them shown, in {} bytes",
+                bytes.len()
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// RGBA of RGB, several times as fast as the conversion that suits all formats.
@@ -186,6 +211,23 @@ mod tests {
         let float = DynamicImage::from(ImageBuffer::from_pixel(1, 1, Rgb([0.5_f32, 4.0, f32::NAN])));
         let Pixels::RgbaF32(got) = decode(&encode(&float, ImageFormat::Tiff), "", 1).unwrap().pixels else { panic!() };
         assert_eq!(got, [0.5, 4.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn windows_of_an_exr_file_are_not_believed() {
+        let sound = encode(&ImageBuffer::from_pixel(4, 4, Rgb([0.5_f32, 4.0, 1.0])).into(), ImageFormat::OpenExr);
+        let Pixels::RgbaF32(got) = decode(&sound, "", 16).unwrap().pixels else { panic!() };
+        assert_eq!(got[..4], [0.5, 4.0, 1.0, 1.0]);
+        for window in ["dataWindow", "displayWindow"] {
+            let mut bytes = sound.clone();
+            // The name, `box2i`, a size of four bytes; then x and y of the first texel, and of the last one.
+            let name = [window.as_bytes(), b"\0box2i\0"].concat();
+            let at = bytes.windows(name.len()).position(|w| w == name).expect("the attribute") + name.len() + 4;
+            bytes[at + 8..at + 12].copy_from_slice(&30_000_i32.to_le_bytes());
+            bytes[at + 12..at + 16].copy_from_slice(&30_000_i32.to_le_bytes());
+            let error = decode(&bytes, "a.exr", 1 << 30).expect_err(window);
+            assert!(matches!(error.code, ErrorCode::TooLarge | ErrorCode::Invalid), "{window}: {error}");
+        }
     }
 
     #[test]

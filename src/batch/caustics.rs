@@ -1,7 +1,8 @@
 //! Light that path tracing hardly finds, known from the scene alone.
 
 use kiln_formats::Warning;
-use kiln_formats::scene::{Extent, Light, LightKind, Material, Scene, Surface};
+use kiln_formats::scene::{Extent, Light, LightKind, Material, ScalarInput, Scene, Surface};
+use std::collections::BTreeSet;
 
 /// Perceptual roughness (GGX α = its square) up to which a surface sends light without extent into so narrow a cone that paths rarely
 /// go back along it.
@@ -13,17 +14,19 @@ const LEAST: f32 = 0.1;
 /// so. A perfectly smooth one lets none of it be found, and the picture converges without it; through a nearly smooth one it comes
 /// as rare specks, so that neither the picture nor the error that it states know how much there is.
 pub(super) fn unsampled(scene: &Scene) -> Option<Warning> {
-    let drawn = |material: &Material| {
-        let uses = |mesh: &kiln_formats::scene::Mesh| {
-            std::iter::once(mesh.material)
-                .chain(mesh.vertex_materials.iter().copied())
-                .any(|id| std::ptr::eq(&scene.materials[id as usize], material))
-        };
-        scene.instances.iter().any(|instance| uses(&scene.meshes[instance.mesh as usize]))
-    };
-    let (light, body) = scene.lights.iter().filter(|light| is_punctual(light)).find_map(|light| {
-        let body = scene.materials.iter().find(|material| focuses(material, light) && drawn(material));
-        body.map(|body| (light, body))
+    let lights: Vec<&Light> = scene.lights.iter().filter(|light| is_punctual(light)).collect();
+    if lights.is_empty() {
+        return None;
+    }
+    let meshes: BTreeSet<_> = scene.instances.iter().map(|instance| instance.mesh).collect();
+    let materials: BTreeSet<_> = meshes
+        .into_iter()
+        .map(|mesh| &scene.meshes[mesh as usize])
+        .flat_map(|mesh| std::iter::once(mesh.material).chain(mesh.vertex_materials.iter().copied()))
+        .collect();
+    let (body, light) = materials.into_iter().map(|id| &scene.materials[id as usize]).find_map(|body| {
+        let through = lights.iter().find(|light| focuses(body, light.through_glass));
+        through.map(|light| (body, light))
     })?;
     let quoted =
         |what: &str, name: &str| if name.is_empty() { format!("a {what}") } else { format!("{what} '{name}'") };
@@ -43,14 +46,16 @@ fn is_punctual(light: &Light) -> bool {
     point && light.color != [0.0; 3]
 }
 
-/// Whether a surface bends light of this lamp and leaves it in a narrow cone.
-fn focuses(material: &Material, light: &Light) -> bool {
+/// Whether a surface bends light and leaves it in a narrow cone; `through_glass`: of a lamp that shines straight through bodies.
+fn focuses(material: &Material, through_glass: bool) -> bool {
     match &material.surface {
         Surface::MetalRough(m) => {
-            let most = |input: &kiln_formats::scene::ScalarInput| input.factor + input.bias;
+            let most = |input: &ScalarInput| {
+                input.bias + if input.texture.is_some() { input.factor.max(0.0) } else { input.factor }
+            };
             m.volume.is_some() && most(&m.transmission) >= LEAST && most(&m.roughness) <= SMOOTH
         }
-        Surface::Phong(p) => !light.through_glass && p.transmission.factor.iter().any(|t| *t >= LEAST),
+        Surface::Phong(p) => !through_glass && p.transmission.factor.iter().any(|t| *t >= LEAST),
         Surface::Unlit(_) => false,
     }
 }
@@ -59,7 +64,7 @@ fn focuses(material: &Material, light: &Light) -> bool {
 mod tests {
     use super::*;
     use glam::{DAffine3, DVec3};
-    use kiln_formats::scene::{Falloff, Instance, Mesh, MetalRough, ScalarInput, Volume};
+    use kiln_formats::scene::{Falloff, Instance, Mesh, MetalRough, Volume};
 
     fn glass(roughness: f32, transmission: f32, solid: bool) -> Material {
         let clear = Volume { attenuation_color: [1.0; 3], attenuation_distance: f32::INFINITY };

@@ -107,9 +107,6 @@ impl Work<'_> {
     ) -> Result<PreparedScene, Failure> {
         self.begin(Stage::Prepare);
         let clock = StageClock::begin();
-        if self.job.settings.render.integrator == Integrator::Path {
-            self.outcome.warnings.extend(caustics::unsampled(&scene));
-        }
         let pixels: u64 = views.iter().map(|view| u64::from(view.width) * u64::from(view.height)).sum();
         let own = self.job.settings.prepare;
         let planned = own.planned_rays.unwrap_or_else(|| planned_rays(pixels, self.job.settings.render.spp));
@@ -118,6 +115,9 @@ impl Work<'_> {
         let helped = self.control.helpers_cpu();
         let (prepared, cpu) = by_deadline(self.control, work)?;
         let prepared = prepared??;
+        if self.job.settings.render.integrator != Integrator::Whitted {
+            self.outcome.warnings.extend(caustics::unsampled(&prepared.scene));
+        }
         let by_helpers = self.control.helpers_cpu().saturating_sub(helped).as_secs_f64();
         let tree = prepared.times;
         self.outcome.seconds.kdtree = tree.kdtree;

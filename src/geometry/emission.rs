@@ -19,10 +19,14 @@ pub(super) fn input(material: &Material) -> (&ColorInput, bool) {
 
 /// Radiance that a triangle emits at barycentric weights `b` to its front or back, without regard to coverage.
 pub fn emitted(scene: &Scene, geometry: &Geometry, triangle: u32, b: [f32; 3], front: bool) -> Vec3 {
+    if geometry.is_dark(triangle) {
+        return Vec3::ZERO;
+    }
     emitted_by(scene, geometry, triangle, b, front, |input, uv| color(scene, input, &uv))
 }
 
-/// As [`emitted`], as a ray sees it that covers an area of `footprint` in each set of texture coordinates.
+/// As [`emitted`], as a ray sees it that covers an area of `footprint` in each set of texture coordinates: also the light of what is beside a
+/// dark triangle, which its neighbours lack then.
 pub fn seen(
     scene: &Scene,
     geometry: &Geometry,
@@ -44,9 +48,6 @@ fn emitted_by(
     front: bool,
     look: impl FnOnce(&ColorInput, [[f32; 2]; 2]) -> Vec3,
 ) -> Vec3 {
-    if geometry.is_dark(triangle) {
-        return Vec3::ZERO;
-    }
     let material = &scene.materials[geometry.material(scene, triangle) as usize];
     let (input, two_sided) = input(material);
     if input.is_black() || !(front || two_sided) {

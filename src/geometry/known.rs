@@ -17,7 +17,8 @@ const DARK: u8 = 4;
 /// Meshes with fewer triangles are not looked at: a few triangles that show a whole image are seldom all alike, and an image
 /// that is the same everywhere is gone before (`effects::normalise`).
 const FEWEST: usize = 8;
-/// So many words of marks are read at most for a scene, some tens of milliseconds; triangles beyond are asked at each hit.
+/// So many words of marks are read at most for a scene, some tens of milliseconds, those counted that making them takes ([`Fact::cost`]);
+/// triangles beyond are asked at each hit.
 const MOST_WORDS: u64 = 1 << 24;
 /// By how much texels have to be beyond a limit so that what is mixed of them is beyond it as well, whatever the rounding.
 const ROUNDING: f32 = 1e-5;
@@ -51,6 +52,10 @@ impl Known {
                     continue;
                 }
                 let uvs = &mesh.uvs[fact.reference.uv_set as usize & 1];
+                if marks.is_none() {
+                    let Some(left) = words.checked_sub(fact.cost()) else { continue };
+                    words = left;
+                }
                 let marks = marks.get_or_insert_with(|| fact.marks());
                 for (k, number) in numbers.iter().enumerate() {
                     let corner = |v: u32| uvs.get(v as usize).copied().unwrap_or_default();
@@ -136,6 +141,12 @@ fn facts<'s>(scene: &'s Scene, material: &'s Material) -> Vec<Fact<'s>> {
 }
 
 impl Fact<'_> {
+    /// What making the marks costs, in words that could be read meanwhile: a sixteenth of one for a texel that tables judge, one for others.
+    fn cost(&self) -> u64 {
+        let texels = u64::from(self.image.width) * u64::from(self.image.height);
+        if matches!(self.image.pixels, Pixels::Rgba8(_)) { texels / 16 } else { texels }
+    }
+
     /// The texels of which it is true.
     fn marks(&self) -> Marks {
         let (width, height) = (self.image.width, self.image.height);

@@ -69,6 +69,16 @@ impl Area {
     /// numbers or too large.
     pub fn of(image: &Image, texture: &Texture, reference: &TextureRef, corners: [[f32; 2]; 3]) -> Option<Self> {
         let uvs = corners.map(|uv| reference.transform.apply(uv));
+        // Points between are mixed before the transform, which may take large numbers back to small ones.
+        let largest = corners.iter().flatten().fold(0.0, |largest: f32, x| largest.max(x.abs()));
+        let linear = [[1.0, 0.0], [0.0, 1.0]].map(|unit| {
+            let (at, zero) = (reference.transform.apply(unit), reference.transform.apply([0.0; 2]));
+            (at[0] - zero[0]).abs().max((at[1] - zero[1]).abs())
+        });
+        let reach = largest * (linear[0] + linear[1]) * image.width.max(image.height) as f32;
+        if !(reach < FARTHEST) {
+            return None;
+        }
         let span = |axis: usize, size: u32, wrap: Wrap| {
             let along = uvs.map(|uv| uv[axis] * size as f32);
             let near = along.iter().all(|x| x.abs() < FARTHEST);

@@ -7,6 +7,7 @@ use crate::math::Placement;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use kiln_formats::Scene;
 use kiln_formats::scene::{MaterialId, Mesh};
+use std::collections::HashSet;
 
 /// All triangles in the rays' frame. Positions are copied, once for each placement that does not share a [`Shape`] with
 /// others; attributes are read from the scene's meshes.
@@ -108,7 +109,11 @@ impl Geometry {
             let runs = all.parts.iter().zip(ends).map(|(part, end)| {
                 (&scene.meshes[part.mesh as usize], &all.local[part.first_triangle as usize..end as usize])
             });
-            all.known = Known::new(scene, runs, all.count as usize);
+            // Meshes that are drawn more than once may be shared, and pictures are the same then: lamps must be, too.
+            let mut drawn = HashSet::new();
+            if scene.instances.iter().all(|instance| drawn.insert(instance.mesh)) {
+                all.known = Known::new(scene, runs, all.count as usize);
+            }
             if all.count as usize <= MOST {
                 all.record(scene);
             }

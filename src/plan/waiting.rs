@@ -1,5 +1,5 @@
-//! How long threads of this process have waited for a processor while they could have run: other work on the machine, and nothing
-//! else (Linux: `/proc/self/task/*/schedstat`).
+//! How long threads of this process have waited for a processor while they could have run: other work on the machine, and now and then each
+//! other (Linux: `/proc/self/task/*/schedstat`).
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -13,6 +13,8 @@ const MOST: usize = 1000;
 #[derive(Default)]
 pub(super) struct Libraries {
     pub(super) by_name: HashMap<String, Mtl>,
+    /// The names by their lower-case forms; `None` where several have the same.
+    by_lower: HashMap<String, Option<String>>,
     /// Whether every library could be read.
     pub(super) complete: bool,
 }
@@ -28,7 +30,7 @@ impl Libraries {
         log: &mut Log,
         control: &Control,
     ) -> Result<Self, ImportError> {
-        let mut libraries = Self { by_name: HashMap::new(), complete: true };
+        let mut libraries = Self { complete: true, ..Self::default() };
         // Some exporters repeat the statement for every object.
         let mut seen: BTreeSet<String> = BTreeSet::new();
         for (line, operands) in statements {
@@ -79,6 +81,11 @@ impl Libraries {
         match text::decode(bytes) {
             Ok(text) => {
                 for material in mtl::parse(&text, file, log) {
+                    let only =
+                        self.by_lower.entry(material.name.to_ascii_lowercase()).or_insert(Some(material.name.clone()));
+                    if only.as_ref().is_some_and(|name| *name != material.name) {
+                        *only = None;
+                    }
                     self.by_name.insert(material.name.clone(), material);
                 }
             }
@@ -92,10 +99,7 @@ impl Libraries {
     /// The material of that name, of the name without a comment behind it, or the only one whose name differs in case alone.
     pub(super) fn get(&self, name: &str) -> Option<&Mtl> {
         let uncommented = || name.split(" #").next().map(str::trim_end);
-        let alike = || {
-            let mut alike = self.by_name.iter().filter(|(known, _)| known.eq_ignore_ascii_case(name));
-            alike.next().filter(|_| alike.next().is_none()).map(|(_, mtl)| mtl)
-        };
+        let alike = || self.by_name.get(self.by_lower.get(&name.to_ascii_lowercase())?.as_ref()?);
         self.by_name.get(name).or_else(|| self.by_name.get(uncommented()?)).or_else(alike)
     }
 }

@@ -63,7 +63,9 @@ impl Wave<'_> {
             if part.way == Way::Glass {
                 self.enter_glass(i, lane, fetch);
             }
-            if part.emits && !prepared.geometry.is_dark(triangle) {
+            // What only the path can find is seen blurred, and bright beside the bright.
+            let competes = self.memory.paths.float(path::PDF, i) > 0.0;
+            if part.emits && !(competes && prepared.geometry.is_dark(triangle)) {
                 self.add_emission(i);
             }
             if depth == course.settings.max_depth {
