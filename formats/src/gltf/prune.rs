@@ -30,17 +30,25 @@ fn without_unreadable(
 ) -> Value {
     let Value::Object(members) = value else { return value };
     let mut sound = Map::new();
-    for (key, member) in members {
-        let alone = |value: Value| flaw(Value::Object(Map::from_iter([(key.clone(), value)])));
-        let Some(why) = alone(member.clone()) else {
+    // Some members can only be read beside others: those that can by themselves go first.
+    let (first, others): (Vec<_>, Vec<_>) =
+        members.into_iter().partition(|(key, member)| flaw(one(key, member.clone())).is_none());
+    sound.extend(first);
+    for (key, member) in others {
+        let beside = |value: Value| {
+            let mut all = sound.clone();
+            all.insert(key.clone(), value);
+            flaw(Value::Object(all))
+        };
+        let Some(why) = beside(member.clone()) else {
             sound.insert(key, member);
             continue;
         };
         let place = format!("{pointer}/{}", key.replace('~', "~0").replace('/', "~1"));
         let mut below = Vec::new();
         let is_object = member.is_object();
-        let rest = without_unreadable(member, &alone, &place, &mut below);
-        if is_object && !below.is_empty() && alone(rest.clone()).is_none() {
+        let rest = without_unreadable(member, &beside, &place, &mut below);
+        if is_object && !below.is_empty() && beside(rest.clone()).is_none() {
             lost.append(&mut below);
             sound.insert(key, rest);
         } else {
@@ -48,6 +56,10 @@ fn without_unreadable(
         }
     }
     Value::Object(sound)
+}
+
+fn one(key: &str, value: Value) -> Value {
+    Value::Object(Map::from_iter([(key.to_owned(), value)]))
 }
 
 #[cfg(test)]
@@ -71,6 +83,12 @@ mod tests {
         assert_eq!((pbr.metallic_factor.0, pbr.roughness_factor.0), (0.25, 1.0));
         assert_eq!(pbr.base_color_texture.map(|t| t.index.value()), Some(3));
         assert!(read.normal_texture.is_none());
+        // What needs an index beside it is not lost with a bad neighbour.
+        let material = json!({"normalTexture": {"index": 0, "texCoord": 1, "scale": "x"}});
+        let mut lost = Vec::new();
+        let read: Material = super::read(material, |pointer, _| lost.push(pointer)).unwrap();
+        assert_eq!(lost, ["/normalTexture/scale"]);
+        assert_eq!(read.normal_texture.map(|t| (t.index.value(), t.tex_coord)), Some((0, 1)));
         assert!(super::read::<Material>(json!(3), |_, _| {}).is_err());
     }
 }

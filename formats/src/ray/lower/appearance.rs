@@ -154,6 +154,8 @@ impl Lower<'_, '_> {
                 if let FieldValue::Map(file) = &field.value {
                     appearance.bumps = Some(self.texture(file, Use::Heights, at)?);
                     appearance.wraps_spheres = true;
+                } else {
+                    self.notes.warn("ignored-field", at, || "`bump_mapping` names no image and is ignored".into());
                 }
             }
         }
