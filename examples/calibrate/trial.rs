@@ -1,4 +1,4 @@
-use kiln::accuracy::{Accuracy, CONFIDENCE, Display, Progressive};
+use kiln::accuracy::{Accuracy, CONFIDENCE, Display, Progressive, comes_as_specks};
 use kiln::batch::Ready;
 use kiln::film::Film;
 use kiln::integrate::View;
@@ -49,7 +49,8 @@ fn render(scene: &PreparedScene, view: &View, seed: u64, most: u32, display: Dis
     let goal = Goal { error: Some(1e-9), time: None };
     let mut progressive = Progressive::new(scene, view, &settings, &goal, display);
     let mut looks: Vec<Look> = Vec::new();
-    let mut targets = TARGETS.iter().peekable();
+    let never: &[f64] = &[];
+    let mut targets = if comes_as_specks(scene) { never.iter() } else { TARGETS.iter() }.peekable();
     loop {
         let ended = progressive.step(&Control::default())?;
         let (film, Some(judged)) = (progressive.film(), progressive.accuracy()) else { return Ok(None) };
@@ -58,7 +59,7 @@ fn render(scene: &PreparedScene, view: &View, seed: u64, most: u32, display: Dis
             look(format!("error {target}"), judged);
         }
         if FIXED.contains(&film.spp) {
-            let stated = Accuracy::of(film, &display, CONFIDENCE);
+            let stated = Accuracy::of(film, &display, CONFIDENCE).map(|a| a.of_scene(scene));
             stated.into_iter().for_each(|stated| look(format!("spp {}", film.spp), stated));
         }
         let enough = targets.peek().is_none() && film.spp >= FIXED[1];

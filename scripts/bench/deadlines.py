@@ -57,10 +57,17 @@ def main():
     parser.add_argument("--sample", type=int, help="so many assets instead of all")
     parser.add_argument("--largest", type=int, default=0, help="and so many of the largest files")
     parser.add_argument("--csv", type=Path)
+    parser.add_argument("--but", nargs="*", default=[], type=Path, help="leave out the assets of these earlier CSV files")
     parser.add_argument("--flags", default="--width 256")
     parser.add_argument("folders", nargs="+", type=Path)
     options = parser.parse_args()
-    assets = sorted(p for f in options.folders for p in f.rglob("*") if p.suffix.lower() in ENDINGS)
+    earlier = {line.split(",", 4)[4] for p in options.but for line in p.read_text().splitlines()[1:]}
+    assets = sorted(
+        p
+        for f in options.folders
+        for p in f.rglob("*")
+        if p.suffix.lower() in ENDINGS and str(p.relative_to(f)) not in earlier
+    )
     if options.sample:
         largest = sorted(assets, key=lambda p: p.stat().st_size)[-options.largest :] if options.largest else []
         random.seed(1)

@@ -16,6 +16,7 @@ mod pixels;
 mod progressive;
 mod relmse;
 mod schedule;
+mod specks;
 mod surroundings;
 
 pub use allotment::Allotment;
@@ -23,8 +24,10 @@ pub use bound::Spread;
 pub use displayed::Display;
 pub use progressive::{Ended, Finished, Progressive};
 pub use schedule::Schedule;
+pub use specks::comes_as_specks;
 
 use crate::film::Film;
+use crate::prepare::PreparedScene;
 use serde::{Deserialize, Serialize};
 
 /// The confidence of stated bounds.
@@ -50,6 +53,16 @@ impl Accuracy {
     /// nothing of the asset has no error.
     pub fn of(film: &Film, display: &Display, confidence: f64) -> Option<Self> {
         Some(Spreads::of(film, display)?.accuracy(confidence))
+    }
+
+    /// The same of a picture of a scene, of which more may be known than the samples say: where light comes in specks
+    /// ([`PreparedScene::rare_light`]), most pictures have met too few of them to know how many there are, and the bounds are further
+    /// away.
+    #[must_use]
+    pub fn of_scene(self, scene: &PreparedScene) -> Self {
+        let factor = specks::factor(scene);
+        let (error_bound, relmse_bound) = (factor * self.error_bound, factor * factor * self.relmse_bound);
+        Self { error_bound, relmse_bound, ..self }
     }
 }
 

@@ -1,4 +1,4 @@
-use super::{Accuracy, Allotment, Display, Schedule, Spreads};
+use super::{Accuracy, Allotment, Display, Schedule, Spreads, comes_as_specks};
 use crate::film::Film;
 use crate::integrate::{PassTally, View, render_until};
 use crate::prepare::PreparedScene;
@@ -132,7 +132,7 @@ impl<'a> Progressive<'a> {
     /// The error of the film as it is.
     pub fn accuracy(&self) -> Option<Accuracy> {
         // Without an error asked for nobody looks.
-        Some(Spreads::of(&self.film, &self.display)?.accuracy_at_look(self.looks))
+        Some(Spreads::of(&self.film, &self.display)?.accuracy_at_look(self.looks).of_scene(self.scene))
     }
 
     /// The film with its error.
@@ -158,7 +158,7 @@ impl<'a> Progressive<'a> {
         }
         self.looks += 1;
         self.accuracy = self.accuracy();
-        self.accuracy.is_some_and(|a| a.error_bound <= target)
+        !comes_as_specks(self.scene) && self.accuracy.is_some_and(|a| a.error_bound <= target)
     }
 
     /// Tells the progress how many camera paths there will be, as far as one can know.

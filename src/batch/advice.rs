@@ -149,7 +149,7 @@ pub const ALL: &[Advice] = &[
     advice("unknown-statement", "A statement is not known and ignored", "nothing, unless the picture lacks something"),
     advice(
         "unsampled-caustics",
-        "Light without extent shines through a smooth body: what it casts is missing or comes as specks, and the stated error does not know of it",
+        "Light without extent shines on a smooth mirror or through a smooth body: what these cast is missing or comes as specks, and the stated error hardly knows of it",
         "a lamp with a surface, or `--env`, instead; rougher glass; `--clamp` against specks",
     ),
     advice("unsupported-element", "An element is not drawn", "make polygons of it"),

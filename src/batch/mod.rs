@@ -6,7 +6,6 @@ pub mod advice;
 mod asset;
 mod budget;
 mod by_deadline;
-mod caustics;
 mod digest;
 mod discover;
 mod environment;

@@ -5,9 +5,9 @@ use super::environment::{self, LoadedEnvironment};
 use super::failure::{Failure, guarded};
 use super::read::{Read, note, read};
 use super::stages::StageClock;
-use super::{Job, Outcome, SceneFacts, Stage, caustics, digest, exposure};
+use super::{Job, Outcome, SceneFacts, Stage, digest, exposure};
 use crate::integrate::{PassTally, View};
-use crate::prepare::{EnvironmentSource, PreparedScene, prepare};
+use crate::prepare::{EnvironmentSource, PreparedScene, RareLight, prepare};
 use crate::settings::{CameraChoice, EnvironmentSettings, Exposure, Integrator, PictureFormat, PrepareSettings};
 use kiln_formats::{Control, ErrorCode, Format, Scene, Warning};
 use std::sync::Arc;
@@ -116,7 +116,7 @@ impl Work<'_> {
         let (prepared, cpu) = by_deadline(self.control, work)?;
         let prepared = prepared??;
         if self.job.settings.render.integrator != Integrator::Whitted {
-            self.outcome.warnings.extend(caustics::unsampled(&prepared.scene));
+            self.outcome.warnings.extend(prepared.rare_light.as_ref().map(hardly_found));
         }
         let by_helpers = self.control.helpers_cpu().saturating_sub(helped).as_secs_f64();
         let tree = prepared.times;
@@ -177,4 +177,13 @@ impl Work<'_> {
         self.outcome.rays += tally.rays;
         self.outcome.count_dropped(&tally.dropped, view);
     }
+}
+
+fn hardly_found(rare: &RareLight) -> Warning {
+    let what = if rare.roughness > 0.0 {
+        "hardly found by paths: it comes as specks, so the bound of the error is stated further away, and `--error` ends no picture early"
+    } else {
+        "not found by paths: it is missing, and the stated error does not know of it"
+    };
+    Warning::new("unsampled-caustics", "", format!("{rare} is {what}"))
 }

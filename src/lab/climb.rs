@@ -77,6 +77,7 @@ impl Bench<'_> {
                 Some(cell) => cell.clone(),
                 None => {
                     let stated = Accuracy::of(&film, run.display, CONFIDENCE);
+                    let stated = stated.map(|a| a.of_scene(&run.ready.scene));
                     let took = Took { wall: render, cpu: tally.cpu_seconds, nonfinite: tally.nonfinite };
                     self.keep(run, &name, (&film, stated, &took), subject, store)?
                 }

@@ -6,6 +6,7 @@ mod instances;
 pub mod kdtree;
 mod parts;
 mod physical;
+mod rare_light;
 
 pub(crate) use crate::effects::Knowledge;
 use crate::effects::{self, Rewrite};
@@ -21,6 +22,7 @@ use glam::DVec3;
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::{Control, Scene, Stopped};
 pub(crate) use parts::{PartWay, Way, bounds_body};
+pub use rare_light::RareLight;
 use std::time::Instant;
 
 /// Seconds that parts of the preparation took.
@@ -56,6 +58,8 @@ pub struct PreparedScene {
     pub degenerate_triangles: u64,
     /// Emitters: emissive triangles, punctual lights, environment.
     pub emitters: u64,
+    /// Light that paths hardly find.
+    pub rare_light: Option<RareLight>,
     /// What the file says that has no effect.
     pub rewrites: Vec<Rewrite>,
     /// Times.
@@ -166,6 +170,7 @@ pub(crate) fn prepare_knowing(
         triangles: geometry.len() as u64,
         degenerate_triangles: geometry.degenerate,
         emitters: lights.count() as u64,
+        rare_light: RareLight::of(&scene),
         rewrites,
         times,
         asks,

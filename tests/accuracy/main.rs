@@ -7,3 +7,4 @@ mod calibration;
 #[path = "../common/mod.rs"]
 mod common;
 mod passes;
+mod specks;
