@@ -108,6 +108,37 @@ impl Lanes for Avx2 {
         // SAFETY: all places are below the length and fit a signed number; otherwise see the head of the file.
         both!(Words256, |a = at| _mm256_i32gather_epi32::<4>(from.as_ptr().cast(), a))
     }
+
+    #[inline(always)]
+    fn gather_four(self, from: &[f32], at: Words256) -> [Floats256; 4] {
+        let Some(last) = from.len().checked_sub(4) else { return [self.splat(0.0); 4] };
+        let at = at.min(self.word(last.min(i32::MAX as usize) as u32)).array();
+        // SAFETY: from each place on there are four numbers; otherwise see the head of the file.
+        let [low, high] = [0, 8].map(|first| unsafe { four_of_eight(from, &at, first) });
+        std::array::from_fn(|k| Floats256(low[k], high[k]))
+    }
+}
+
+/// Four numbers in a row from each of eight places, `at[first]` and its followers.
+///
+/// # Safety
+/// `from` has them all.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+unsafe fn four_of_eight(from: &[f32], at: &[u32; LANES], first: usize) -> [__m256; 4] {
+    // SAFETY: the caller says so.
+    let four = |lane: usize| unsafe { _mm_loadu_ps(from.as_ptr().add(at[first + lane] as usize)) };
+    // Every fourth lane's numbers side by side.
+    let each = |k: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(four(k)), four(k + 4));
+    let (a, b, c, d) = (each(0), each(1), each(2), each(3));
+    let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+    let (ab_high, cd_high) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+    [
+        _mm256_shuffle_ps::<0x44>(ab, cd),
+        _mm256_shuffle_ps::<0xEE>(ab, cd),
+        _mm256_shuffle_ps::<0x44>(ab_high, cd_high),
+        _mm256_shuffle_ps::<0xEE>(ab_high, cd_high),
+    ]
 }
 
 mask_operator!(Mask256, BitAnd, bitand, |a, b| both!(Mask256, |a = a, b = b| _mm256_and_ps(a, b)));

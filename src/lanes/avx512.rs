@@ -117,6 +117,30 @@ impl Lanes for Avx512 {
         // SAFETY: all places are below the length and fit a signed number; otherwise see the head of the file.
         Words512(unsafe { _mm512_i32gather_epi32::<4>(at.0, from.as_ptr().cast()) })
     }
+
+    #[inline(always)]
+    fn gather_four(self, from: &[f32], at: Words512) -> [Floats512; 4] {
+        let Some(last) = from.len().checked_sub(4) else { return [self.splat(0.0); 4] };
+        let at = at.min(self.word(last.min(i32::MAX as usize) as u32)).array();
+        // SAFETY: from each place on there are four numbers; otherwise see the head of the file.
+        unsafe {
+            let four = |lane: usize| _mm_loadu_ps(from.as_ptr().add(at[lane] as usize));
+            // Every fourth lane's numbers side by side.
+            let each = |k: usize| {
+                let low = _mm512_insertf32x4::<1>(_mm512_castps128_ps512(four(k)), four(k + 4));
+                _mm512_insertf32x4::<3>(_mm512_insertf32x4::<2>(low, four(k + 8)), four(k + 12))
+            };
+            let (a, b, c, d) = (each(0), each(1), each(2), each(3));
+            let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+            let (ab_high, cd_high) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+            [
+                Floats512(_mm512_shuffle_ps::<0x44>(ab, cd)),
+                Floats512(_mm512_shuffle_ps::<0xEE>(ab, cd)),
+                Floats512(_mm512_shuffle_ps::<0x44>(ab_high, cd_high)),
+                Floats512(_mm512_shuffle_ps::<0xEE>(ab_high, cd_high)),
+            ]
+        }
+    }
 }
 
 mask_operator!(Mask512, BitAnd, bitand, |a, b| Mask512(a.0 & b.0));

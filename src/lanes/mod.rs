@@ -241,6 +241,10 @@ pub trait Lanes: Copy + Debug + Send + Sync + 'static {
     /// The whole numbers at these places; places beyond the end read the last one, and an empty slice reads zeros.
     fn gather_words(self, from: &[u32], at: Self::U) -> Self::U;
 
+    /// The four numbers in a row from each of these places on; places with fewer than four to come read the last four, and a
+    /// slice of less than four reads zeros. Faster than one number after the other.
+    fn gather_four(self, from: &[f32], at: Self::U) -> [Self::F; 4];
+
     /// [`Self::gather`] from three rows.
     #[inline(always)]
     fn gather_vector(self, from: &[Vec<f32>; 3], at: Self::U) -> V3<Self::F> {

@@ -64,6 +64,12 @@ impl Lanes for Plain {
         let last = from.len().wrapping_sub(1);
         PlainWords(at.0.map(|i| from.get((i as usize).min(last)).copied().unwrap_or(0)))
     }
+
+    #[inline(always)]
+    fn gather_four(self, from: &[f32], at: PlainWords) -> [PlainFloats; 4] {
+        let Some(last) = from.len().checked_sub(4) else { return [PlainFloats([0.0; LANES]); 4] };
+        from_fn(|k| PlainFloats(at.0.map(|i| from[(i as usize).min(last) + k])))
+    }
 }
 
 mask_operator!(PlainMask, BitAnd, bitand, |a, b| PlainMask(from_fn(|i| a.0[i] & b.0[i])));

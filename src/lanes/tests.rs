@@ -58,6 +58,10 @@ impl Work for Everything {
             float("to_floats", u.to_floats());
             float("gather", l.gather(&table, u & 127));
             float("gather of nothing", l.gather(&[], u));
+            for (k, x) in l.gather_four(&table, u & 127).into_iter().enumerate() {
+                float(["first of four", "second", "third", "fourth"][k], x);
+            }
+            float("four of three", l.gather_four(&table[..3], u)[3]);
             float("compress", a.compress(a.lt(b)));
             float("atan2", functions::atan2(a, b));
             let turns = (u & 0xFFFF).to_floats() * (1.0 / 65536.0) - 0.5;
@@ -120,6 +124,8 @@ fn plain_lanes_do_what_the_language_does() {
     assert_eq!(x.lt(x.fill(0.0)).bits(), 0b11_1111);
     assert_eq!(x.compress(x.gt(x.fill(9.0))).array()[..4], [9.25, 10.5, 11.75, 0.0]);
     assert_eq!(l.gather(&[1.0, 2.0], l.lane_numbers()).array()[..3], [1.0, 2.0, 2.0]);
+    let four = l.gather_four(&[1.0, 2.0, 3.0, 4.0, 5.0], l.lane_numbers()).map(|x| [x.array()[0], x.array()[9]]);
+    assert_eq!(four, [[1.0, 2.0], [2.0, 3.0], [3.0, 4.0], [4.0, 5.0]]);
     assert_eq!(l.word(0x8000_0001).reverse_bits().array(), [0x8000_0001; LANES]);
     assert_eq!(l.word(0x1234_5678).reverse_bits().array(), [0x1234_5678u32.reverse_bits(); LANES]);
 }

@@ -11,13 +11,15 @@ use std::f32::consts::{FRAC_1_PI, PI};
 pub(super) struct MapTable {
     /// Columns and rows of the picture.
     size: [u32; 2],
-    /// Red, green and blue of its pixels, row by row.
+    /// Red, green and blue of its pixels, row by row, and room to read four from anywhere.
     pixels: Vec<f32>,
     /// Columns and rows of the sampling grid.
     grid: [u32; 2],
     rows: Shares,
     /// Over the columns of each row.
     columns: Shares,
+    /// Of each cell, with respect to the unit square.
+    densities: Vec<f32>,
     rotation_turns: f32,
     up: Option<UpAxis>,
 }
@@ -27,21 +29,22 @@ pub(super) struct MapTable {
 struct Shares {
     /// Items of a list.
     count: u32,
-    /// For each item the running sum of the shares up to and with it, which ends in 1, and a density of the item.
-    items: Vec<f32>,
-    /// Parts of [0, 1), a power of two, of each of which `guide` knows the first item that reaches into it.
+    /// For each list the running sums of the shares before its items, from 0 on, and 1. At the end of all there is room to read four
+    /// from anywhere.
+    sums: Vec<f32>,
+    /// Parts of [0, 1), a power of two.
     parts: u32,
-    /// `parts` + 1 numbers for each list.
+    /// For each part the first item that reaches into it, and above 16 bits that of the next part.
     guide: Vec<u32>,
 }
 
 impl Shares {
-    /// Lists of `count` items with these weights ≥ 0 and densities.
-    fn new(count: usize, weights: &[f64], densities: &[f32]) -> Self {
-        let parts = (count / 4).next_power_of_two();
-        let mut items = Vec::with_capacity(2 * weights.len());
-        let mut guide = Vec::with_capacity(weights.len() / count * (parts + 1));
-        for (weights, densities) in weights.chunks_exact(count).zip(densities.chunks_exact(count)) {
+    /// Lists of `count` items, fewer than 2¹⁶, with these weights ≥ 0.
+    fn new(count: usize, weights: &[f64]) -> Self {
+        let parts = (count / 2).next_power_of_two();
+        let mut sums = Vec::with_capacity(weights.len() / count * (count + 1) + 2);
+        let mut guide = Vec::with_capacity(weights.len() / count * parts);
+        for weights in weights.chunks_exact(count) {
             let total: f64 = weights.iter().sum();
             let unit = if total > 0.0 { 1.0 / total } else { 0.0 };
             let mut sum = 0.0;
@@ -54,40 +57,28 @@ impl Shares {
             let last = running.iter().rposition(|s| *s < 1.0).map_or(0, |k| k + 1);
             running[last..].fill(1.0);
             let first = |part: usize| running.partition_point(|s| *s <= part as f32 / parts as f32).min(count - 1);
-            guide.extend((0..=parts).map(|part| first(part) as u32));
-            items.extend(running.iter().zip(densities).flat_map(|(sum, density)| [*sum, *density]));
+            guide.extend((0..parts).map(|part| (first(part) | first(part + 1) << 16) as u32));
+            sums.push(0.0);
+            sums.extend(running);
         }
-        Self { count: count as u32, items, parts: parts as u32, guide }
+        sums.extend([1.0; 2]);
+        Self { count: count as u32, sums, parts: parts as u32, guide }
     }
 
     /// The items that hold numbers in [0, 1), each in a list of its own, and the places within them.
     #[inline(always)]
     fn invert<L: Lanes>(&self, l: L, list: L::U, u: L::F) -> (L::U, L::F) {
-        let part = list * (self.parts + 1) + (u * self.parts as f32).truncate();
-        let (mut low, mut high) = (l.gather_words(&self.guide, part), l.gather_words(&self.guide, part + 1));
-        let first = list * self.count;
+        let part = l.gather_words(&self.guide, list * self.parts + (u * self.parts as f32).truncate());
+        let (mut low, mut high) = (part & 0xFFFF, part.shr::<16>());
+        let first = list * (self.count + 1);
         while low.lt(high).any() {
             let middle = (low + high).shr::<1>();
-            let beyond = self.sum(l, first + middle).le(u);
+            let beyond = l.gather(&self.sums, first + middle + 1).le(u);
             low = L::U::select(beyond, middle + 1, low);
             high = L::U::select(beyond, high, middle);
         }
-        let zero = l.splat(0.0);
-        let at_start = low.eq(l.word(0));
-        let before = self.sum(l, first + low - L::U::select(at_start, l.word(0), l.word(1)));
-        let before = L::F::select(at_start, zero, before);
-        let own = self.sum(l, first + low) - before;
-        (low, ((u - before) / own).max(zero).min(l.splat(1.0 - f32::EPSILON)))
-    }
-
-    #[inline(always)]
-    fn sum<L: Lanes>(&self, l: L, item: L::U) -> L::F {
-        l.gather(&self.items, item.shl::<1>())
-    }
-
-    #[inline(always)]
-    fn density<L: Lanes>(&self, l: L, item: L::U) -> L::F {
-        l.gather(&self.items, item.shl::<1>() + 1)
+        let [before, end, ..] = l.gather_four(&self.sums, first + low);
+        (low, ((u - before) / (end - before)).max(l.splat(0.0)).min(l.splat(1.0 - f32::EPSILON)))
     }
 }
 
@@ -105,14 +96,13 @@ impl MapTable {
         let sums: Vec<f64> = weights.chunks_exact(grid[0]).map(|row| row.iter().sum()).collect();
         let total: f64 = sums.iter().sum();
         let cells = weights.len() as f64;
-        // With respect to the unit square.
-        let densities: Vec<f32> = weights.iter().map(|w| (w / total * cells) as f32).collect();
         Self {
             size: size.map(|x| x as u32),
-            pixels: pixels.iter().flat_map(|p| p.to_array()).collect(),
+            pixels: pixels.iter().flat_map(|p| p.to_array()).chain([0.0]).collect(),
             grid: grid.map(|x| x as u32),
-            rows: Shares::new(grid[1], &sums, &vec![0.0; grid[1]]),
-            columns: Shares::new(grid[0], &weights, &densities),
+            rows: Shares::new(grid[1], &sums),
+            columns: Shares::new(grid[0], &weights),
+            densities: weights.iter().map(|w| (w / total * cells) as f32).collect(),
             rotation_turns: rotation * (0.5 * FRAC_1_PI),
             up: Some(up),
         }
@@ -159,15 +149,15 @@ impl MapTable {
 
     #[inline(always)]
     fn pixels_at<L: Lanes>(&self, l: L, at: L::U) -> V3<L::F> {
-        let at = at * 3;
-        V3::new(l.gather(&self.pixels, at), l.gather(&self.pixels, at + 1), l.gather(&self.pixels, at + 2))
+        let [red, green, blue, _] = l.gather_four(&self.pixels, at * 3);
+        V3::new(red, green, blue)
     }
 
     /// Solid angle density at places of the picture.
     #[inline(always)]
     pub fn pdf<L: Lanes>(&self, l: L, [u, v]: [L::F; 2]) -> L::F {
         let [width, height] = self.grid;
-        let density = self.columns.density(l, cell(l, v, height) * width + cell(l, u, width));
+        let density = l.gather(&self.densities, cell(l, v, height) * width + cell(l, u, width));
         let (sine, _) = functions::sin_cos_turns(v * 0.5);
         let found = sine.gt(l.splat(0.0));
         (density / (sine * (2.0 * PI * PI))).only(found)

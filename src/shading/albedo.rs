@@ -23,7 +23,7 @@ struct Entry {
 struct Table {
     /// By α (outer) and cos θo (inner), `a` and `b` of each.
     entries: Vec<f32>,
-    /// ∫ (a + b) cos θ dω / π, by α.
+    /// ∫ (a + b) cos θ dω / π, by α, and room to read four from each.
     mean: Vec<f32>,
 }
 
@@ -50,18 +50,16 @@ impl<F: Floats> GgxAlbedoLanes<F> {
         let along = (to_axis_lanes(alpha.max(alpha.fill(SMALLEST_ALPHA))) - first) / (1.0 - first);
         let (j, t) = cell_lanes(along);
         let node = j * NODES as u32 + i;
-        let (a, b) = (node.shl::<1>(), node.shl::<1>() + 1);
-        let mean = mix(l.gather(&table.mean, j), l.gather(&table.mean, j + 1), t);
-        Self { a: between(l, &table.entries, a, s, t), b: between(l, &table.entries, b, s, t), mean }
+        let lower = l.gather_four(&table.entries, node.shl::<1>());
+        let upper = l.gather_four(&table.entries, (node + NODES as u32).shl::<1>());
+        let [mean, next, ..] = l.gather_four(&table.mean, j);
+        let ([a, b, a1, b1], [c, d, c1, d1]) = (lower, upper);
+        Self {
+            a: mix(mix(a, a1, s), mix(c, c1, s), t),
+            b: mix(mix(b, b1, s), mix(d, d1, s), t),
+            mean: mix(mean, next, t),
+        }
     }
-}
-
-/// Between four nodes of the table.
-#[inline(always)]
-fn between<L: Lanes>(l: L, entries: &[f32], at: L::U, s: L::F, t: L::F) -> L::F {
-    let row = 2 * NODES as u32;
-    let lower = mix(l.gather(entries, at), l.gather(entries, at + 2), s);
-    mix(lower, mix(l.gather(entries, at + row), l.gather(entries, at + (row + 2)), s), t)
 }
 
 #[inline(always)]
@@ -179,6 +177,7 @@ impl Table {
             let sum: f32 = (0..STEPS).map(|k| at(k).a + at(k).b).sum();
             table.mean.push(sum / STEPS as f32);
         }
+        table.mean.extend([0.0; 2]);
         table
     }
 
