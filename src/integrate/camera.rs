@@ -71,13 +71,14 @@ impl RayCamera {
     }
 }
 
-/// Within this distance of the origin of the rays' frame, `f32` is fine enough for a camera, too.
-const NEAR: f64 = 4.0;
+/// Within this distance of the origin of the rays' frame, `f32` is fine enough for a camera, too: rays are off by a millionth of the
+/// scene, all that meet a surface alike.
+const NEAR: f64 = 16.0;
 
 /// A perspective camera that is near enough for `f32`: for rays in lanes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NearCamera {
-    /// Where all rays begin.
+    /// Where it is.
     pub origin: Vec3,
     forward: Vec3,
     right: Vec3,
@@ -97,12 +98,15 @@ impl RayCamera {
 }
 
 impl NearCamera {
-    /// Origins and unit directions of the rays through picture points in [0, 1]², as [`RayCamera::ray`].
+    /// Origins and unit directions of the rays through picture points in [0, 1]², as [`RayCamera::ray`], and how far from the
+    /// camera they begin.
     #[inline(always)]
-    pub(super) fn rays<F: Floats>(&self, x: F, y: F) -> (V3<F>, V3<F>) {
+    pub(super) fn rays<F: Floats>(&self, x: F, y: F) -> (V3<F>, V3<F>, F) {
         let splat = |v: Vec3| V3::new(x.fill(v.x), x.fill(v.y), x.fill(v.z));
         let (across, above) = (x * 2.0 - 1.0, x.fill(1.0) - y * 2.0);
         let dir = splat(self.forward) + splat(self.right) * across + splat(self.up) * above;
-        (splat(self.origin), dir.normalized())
+        let (origin, dir) = (splat(self.origin), dir.normalized());
+        let skipped = (-origin.dot(dir) - BEYOND_SCENE as f32).max(x.fill(0.0));
+        (origin + dir * skipped, dir, skipped)
     }
 }

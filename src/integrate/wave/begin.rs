@@ -38,7 +38,7 @@ impl Work for Begin<'_> {
                 let [dx, dy] = samplers.get_2d(0, Purpose::Pixel);
                 let x = (pixel[0].to_floats() + dx) / view.width as f32;
                 let y = (pixel[1].to_floats() + dy) / view.height as f32;
-                let (origin, dir) = camera.rays(x, y);
+                let (origin, dir, skipped) = camera.rays(x, y);
                 let (zero, one) = (l.splat(0.0), l.splat(1.0));
                 let mut floats = [zero; path::FLOATS];
                 for (k, (o, d)) in origin.components().into_iter().zip(dir.components()).enumerate() {
@@ -47,6 +47,7 @@ impl Work for Begin<'_> {
                     floats[path::THROUGHPUT + k] = one;
                 }
                 floats[path::ETA_SCALE] = one;
+                floats[path::WIDTH] = skipped * spread;
                 floats[path::SPREAD] = l.splat(spread);
                 let [key, index] = samplers.words();
                 let mut words = [l.word(0); path::WORDS];
