@@ -30,22 +30,25 @@ impl Asker {
 }
 
 /// Whether a surface stops a ray: culling, and coverage by a number that belongs to (path, vertex, triangle).
+#[inline]
 pub(super) fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
-    if !prepared.asks.filtered {
-        return true;
-    }
+    !prepared.questions.asks(hit.triangle, asker.eye) || covers(prepared, asker, hit, dir)
+}
+
+/// [`stops`] for surfaces that may not.
+#[inline(never)]
+fn covers(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);
     // Most triangles of cut-outs are whole or open all over.
-    match geometry.known_coverage(hit.triangle).filter(|_| prepared.asks.covers) {
-        Some(false) => return false,
-        Some(true) if !(asker.eye && prepared.asks.culls) => return true,
-        _ => {}
+    let known = geometry.known_coverage(hit.triangle).filter(|_| prepared.asks.covers);
+    if known == Some(false) {
+        return false;
     }
     let filters = prepared.ways[geometry.part_index(hit.triangle) as usize].filters;
     if filters.culled && asker.eye && geometry.unit_normal(hit.triangle).dot(dir) > 0.0 {
         return false;
     }
-    if filters.coverage {
+    if filters.coverage && known.is_none() {
         let b = [1.0 - hit.b1 - hit.b2, hit.b1, hit.b2];
         let covered = coverage(scene, geometry, hit.triangle, b);
         if covered <= 0.0 || covered >= 1.0 {

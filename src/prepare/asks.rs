@@ -10,8 +10,6 @@ use kiln_formats::scene::{AlphaMode, Material, Surface};
 /// Questions to be asked at hits, for the whole scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Asks {
-    /// Whether any of the next three is.
-    pub filtered: bool,
     /// Whether a surface covers what is behind it.
     pub covers: bool,
     /// Whether camera rays pass through its back.
@@ -34,14 +32,7 @@ impl Asks {
         // It decides whether lanes can follow shadow rays, and so how numbers are rounded: never forced.
         let tints = know.own(called).has(Effect::TintedShadows);
         let every_cover = know.forced.has_any(&[Effect::AlphaCutouts, Effect::AlphaBlending]);
-        Self {
-            filtered: covers || culls || tints,
-            covers,
-            culls,
-            tints,
-            textured: asked.has(Effect::Textures),
-            every_cover,
-        }
+        Self { covers, culls, tints, textured: asked.has(Effect::Textures), every_cover }
     }
 
     /// What a traversal has to ask about a material's triangles.

@@ -6,6 +6,7 @@ mod instances;
 pub mod kdtree;
 mod parts;
 mod physical;
+mod questions;
 mod rare_light;
 
 pub(crate) use crate::effects::Knowledge;
@@ -22,6 +23,7 @@ use glam::DVec3;
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::{Control, Scene, Stopped};
 pub(crate) use parts::{PartWay, Way, bounds_body};
+pub(crate) use questions::Questions;
 pub use rare_light::RareLight;
 use std::time::Instant;
 
@@ -76,6 +78,8 @@ pub struct PreparedScene {
     pub(crate) asks: Asks,
     /// For each part of the geometry, how it is shaded.
     pub(crate) ways: Vec<PartWay>,
+    /// Which triangles it has to be asked of.
+    pub(crate) questions: Questions,
     /// The instructions that shading uses.
     pub(crate) lanes: AnyLanes,
 }
@@ -165,6 +169,7 @@ pub(crate) fn prepare_knowing(
     };
     let asks = Asks::new(&scene, &geometry, know);
     let filters: Vec<_> = scene.materials.iter().map(|material| asks.of(material)).collect();
+    let ways = parts::ways(&scene, &geometry, know, &filters);
     Ok(PreparedScene {
         bounds,
         triangles: geometry.len() as u64,
@@ -174,7 +179,8 @@ pub(crate) fn prepare_knowing(
         rewrites,
         times,
         asks,
-        ways: parts::ways(&scene, &geometry, know, &filters),
+        questions: Questions::new(&geometry, &ways),
+        ways,
         lanes: AnyLanes::new(tier(settings.simd)),
         scene,
         frame,
