@@ -1,7 +1,9 @@
 //! Does the stated error hold? Renders assets with many seeds and compares the error that each picture states with the
 //! one that it has.
 //!
-//! `calibrate ASSET… [--size N] [--seeds N] [--most SPP] [--converged SPP] [--csv FILE]`
+//! `calibrate ASSET… [--size N] [--seeds N] [--most SPP] [--converged SPP] [--reuse] [--csv FILE]`
+//!
+//! `--reuse`: pixels use each other's paths.
 //!
 //! The converged picture that a render is compared with is the mean of all other seeds' samples, so that it costs
 //! nothing, or with `--converged` one with so many samples of a seed of its own, for assets that converge slowly; what noise
@@ -17,7 +19,7 @@ mod trial;
 use kiln::Control;
 use kiln::batch::{Job, Output, Ready, make_ready};
 use kiln::formats::Limits;
-use kiln::settings::{Settings, ViewSettings};
+use kiln::settings::{RenderSettings, Reuse, Settings, ViewSettings};
 use std::path::{Path, PathBuf};
 
 /// What is asked for on the command line.
@@ -28,10 +30,12 @@ struct Options {
     most: u32,
     converged: Option<u32>,
     csv: Option<PathBuf>,
+    reuse: Reuse,
 }
 
 fn options() -> Result<Options, String> {
-    let mut options = Options { assets: Vec::new(), size: 64, seeds: 50, most: 256, converged: None, csv: None };
+    let mut options =
+        Options { assets: Vec::new(), size: 64, seeds: 50, most: 256, converged: None, csv: None, reuse: Reuse::Off };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
@@ -41,6 +45,7 @@ fn options() -> Result<Options, String> {
             "--seeds" => options.seeds = number(value()?)?.into(),
             "--most" => options.most = number(value()?)?,
             "--converged" => options.converged = Some(number(value()?)?),
+            "--reuse" => options.reuse = Reuse::On,
             "--csv" => options.csv = Some(value()?.into()),
             _ => options.assets.push(word.into()),
         }
@@ -64,6 +69,7 @@ fn load(asset: &Path, size: u32) -> Result<Ready, String> {
 
 fn main() -> Result<(), String> {
     let options = options()?;
+    let way = RenderSettings { spp: options.most, reuse: options.reuse, ..RenderSettings::default() };
     let mut all = Vec::new();
     for asset in &options.assets {
         let name = asset.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -75,8 +81,7 @@ fn main() -> Result<(), String> {
             }
         };
         let clock = cpu_time::ProcessTime::now();
-        let rows =
-            trial::run(&name, &ready, (options.seeds, options.most), options.converged).map_err(|e| e.to_string())?;
+        let rows = trial::run(&name, &ready, &way, options.seeds, options.converged).map_err(|e| e.to_string())?;
         report::asset(&name, &rows, clock.elapsed().as_secs_f64());
         all.extend(rows);
         // As one goes: a run that is cut short leaves what it did.

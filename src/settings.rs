@@ -94,6 +94,19 @@ pub enum Adaptive {
     Variance,
 }
 
+/// Whether pixels use each other's paths (Bekaert, Sbert & Halton 2002).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum Reuse {
+    /// Each pixel has its own paths: its noise is independent of all others'.
+    #[default]
+    Off,
+    /// Sixteen pixels use each other's paths from the second surface on where that is diffuse: less noise in indirect light, and
+    /// pixels four apart have noise in common. All pixels then get the same number of samples.
+    On,
+}
+
 /// Whether triangles that several nodes draw are kept once, with one tree for all of them. Does not change pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -168,6 +181,9 @@ pub struct RenderSettings {
     /// Scattering events after which Russian roulette may end a path by what it carries, the survivors weighing more;
     /// [`u32::MAX`]: never.
     pub roulette_after: u32,
+    /// Whether pixels use each other's paths.
+    #[serde(default)]
+    pub reuse: Reuse,
     /// Channels of a sample's radiance are cut off here, > 0; `None`: never. Takes away fireflies, and light with them.
     pub clamp: Option<f32>,
 }
@@ -184,8 +200,22 @@ impl Default for RenderSettings {
             light_samples: 1,
             sampler: SamplerKind::default(),
             roulette_after: 5,
+            reuse: Reuse::default(),
             clamp: None,
         }
+    }
+}
+
+impl RenderSettings {
+    /// Whether pixels do use each other's paths: those that come one by one do not.
+    pub fn shares(&self) -> bool {
+        self.reuse == Reuse::On && self.integrator == Integrator::Path
+    }
+
+    /// Which pixels get more samples than others. None do where pixels use each other's paths: which of them are there to be used at
+    /// a sample would depend on how a film is cut into passes, and a film must not.
+    pub fn allotted(&self) -> Adaptive {
+        if self.shares() { Adaptive::Off } else { self.adaptive }
     }
 }
 

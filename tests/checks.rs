@@ -4,7 +4,7 @@
 
 use kiln::Control;
 use kiln::checks::{load, run};
-use kiln::settings::Integrator;
+use kiln::settings::{Integrator, Reuse};
 use std::path::Path;
 
 #[test]
@@ -12,7 +12,7 @@ fn every_check_comes_out_as_its_file_says() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/checks");
     let checks = load(&folder).expect("checks that can be read");
     assert!(checks.len() >= 80, "only {} checks", checks.len());
-    let rows = run(&checks, Integrator::Path, &Control::default()).expect("not stopped");
+    let rows = run(&checks, (Integrator::Path, Reuse::Off), &Control::default()).expect("not stopped");
     let bad: Vec<String> = rows
         .iter()
         .filter(|r| !r.verdict.is_good())

@@ -43,11 +43,15 @@ fn means(film: &Film) -> Vec<[f64; 4]> {
     film.pixels.iter().map(|p| p.mean()).collect()
 }
 
-fn render(scene: &PreparedScene, view: &View, seed: u64, most: u32, display: Display) -> Result<Option<Seed>, Stopped> {
-    let settings = RenderSettings { seed, spp: most, ..RenderSettings::default() };
+fn render(
+    scene: &PreparedScene,
+    view: &View,
+    settings: &RenderSettings,
+    display: Display,
+) -> Result<Option<Seed>, Stopped> {
     // Never reached: the render goes on through all the targets.
     let goal = Goal { error: Some(1e-9), time: None };
-    let mut progressive = Progressive::new(scene, view, &settings, &goal, display);
+    let mut progressive = Progressive::new(scene, view, settings, &goal, display);
     let mut looks: Vec<Look> = Vec::new();
     let never: &[f64] = &[];
     let mut targets = if comes_as_specks(scene) { never.iter() } else { TARGETS.iter() }.peekable();
@@ -115,12 +119,19 @@ impl Converged {
     }
 }
 
-/// All looks at renders with the seeds from 1 and up to `most` samples, against a picture of `converged` samples or of all other seeds.
-pub fn run(asset: &str, ready: &Ready, (seeds, most): (u64, u32), converged: Option<u32>) -> Result<Vec<Row>, Stopped> {
+/// All looks at renders with the seeds from 1, done this `way`, against a picture of `converged` samples or of all other seeds.
+pub fn run(
+    asset: &str,
+    ready: &Ready,
+    way: &RenderSettings,
+    seeds: u64,
+    converged: Option<u32>,
+) -> Result<Vec<Row>, Stopped> {
     let display = Display::new(&PictureSettings::default(), ready.exposure);
     let mut rendered = Vec::new();
     for seed in 1..=seeds {
-        rendered.extend(render(&ready.scene, &ready.views[0], seed, most, display)?);
+        let settings = RenderSettings { seed, ..*way };
+        rendered.extend(render(&ready.scene, &ready.views[0], &settings, display)?);
     }
     let reference = match converged {
         Some(spp) => Converged::render(ready, spp, display)?,

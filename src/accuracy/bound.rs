@@ -1,7 +1,7 @@
 use crate::math::statistics::f_quantile;
 use crate::sampling::REPLICATES;
 
-/// Squared errors of independent pixels, as their replicates estimate them.
+/// Squared errors of pixels, as their replicates estimate them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
     /// Pixels.
@@ -10,7 +10,7 @@ pub struct Spread {
     pub sum: f64,
     /// Σ v over the pixels' own estimates v of the same.
     pub own: f64,
-    /// Σ v².
+    /// Σ v²; where some pixels have to do with each other, of what they say together.
     pub own_squares: f64,
 }
 

@@ -66,7 +66,7 @@ impl<'a> Progressive<'a> {
             goal,
             display,
             schedule: Schedule::new(goal, settings.spp),
-            allotment: Allotment::new(settings.adaptive, display),
+            allotment: Allotment::new(settings.allotted(), display),
             film: Film::new(view.width, view.height, view.show_environment),
             tally: PassTally::default(),
             looks: 0,

@@ -154,6 +154,7 @@ mod tests {
             relmse_bound: None,
             target_met: None,
             bias: Vec::new(),
+            reuse: false,
             denoised: None,
         };
         let outputs = if status.is_done() { vec![output] } else { Vec::new() };

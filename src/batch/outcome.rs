@@ -76,6 +76,9 @@ pub struct OutputRecord {
     pub target_met: Option<bool>,
     /// What was asked for that changes the expected picture, and by how much.
     pub bias: Vec<String>,
+    /// Whether pixels used each other's paths (`--reuse`): those of a group of sixteen, four apart, have noise in common.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub reuse: bool,
     /// Name and version of what removed the noise: of a PNG file as a whole, so that its error is not known; of an EXR file in its
     /// layers `denoised.R`, `.G` and `.B` alone. `None`: nothing did.
     #[serde(default, skip_serializing_if = "Option::is_none")]

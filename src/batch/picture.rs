@@ -127,6 +127,7 @@ impl Shot<'_> {
             relmse_bound: self.accuracy.map(|a| a.relmse_bound),
             target_met: job.settings.goal.error.map(|target| bound.is_some_and(|b| b <= target)),
             bias: self.bias(job),
+            reuse: self.film.shares,
             denoised: None,
         }
     }

@@ -3,7 +3,7 @@ use super::judge::{SIGNIFICANCE, Verdict, judge, tests};
 use crate::integrate::{View, render};
 use crate::math::statistics::sidak;
 use crate::prepare::{EnvironmentSource, prepare};
-use crate::settings::{Integrator, PrepareSettings, RenderSettings, Strategy};
+use crate::settings::{Integrator, PrepareSettings, RenderSettings, Reuse, Strategy};
 use kiln_formats::scene::{Camera, Image, Pixels};
 use kiln_formats::{Control, ImportOptions, Stopped, import};
 use rayon::prelude::*;
@@ -29,17 +29,17 @@ pub struct Row {
     pub cpu_seconds: f64,
 }
 
-/// Runs checks by an integrator on the current rayon pool; the rows come in the order of the checks. `control` counts checks.
+/// Runs checks by an integrator, with pixels that use each other's paths or not, on the current rayon pool; the rows come in the order of the checks. `control` counts checks.
 ///
 /// # Errors
 /// [`Stopped`] when `control` asks for it.
-pub fn run(checks: &[Check], integrator: Integrator, control: &Control) -> Result<Vec<Row>, Stopped> {
+pub fn run(checks: &[Check], by: (Integrator, Reuse), control: &Control) -> Result<Vec<Row>, Stopped> {
     let count = |c: &Check| c.render.strategies.len() * c.expect.iter().map(tests).sum::<usize>();
     let level = sidak(SIGNIFICANCE, checks.iter().map(count).sum());
     control.begin(checks.len() as u64);
     let rows = checks.par_iter().with_max_len(1).map(|check| {
         control.check()?;
-        let rows = match run_check(check, integrator, level) {
+        let rows = match run_check(check, by, level) {
             Ok(rows) => rows,
             Err(note) => vec![Row {
                 case: check.name.clone(),
@@ -58,7 +58,7 @@ pub fn run(checks: &[Check], integrator: Integrator, control: &Control) -> Resul
     rows.collect::<Result<Vec<_>, _>>().map(|rows| rows.into_iter().flatten().collect())
 }
 
-fn run_check(check: &Check, integrator: Integrator, level: f64) -> Result<Vec<Row>, String> {
+fn run_check(check: &Check, (integrator, reuse): (Integrator, Reuse), level: f64) -> Result<Vec<Row>, String> {
     // Of its own: the caller's counts checks, not pixels.
     let control = Control::default();
     let imported = import(&check.scene, &ImportOptions::default(), &control)
@@ -80,6 +80,7 @@ fn run_check(check: &Check, integrator: Integrator, level: f64) -> Result<Vec<Ro
     for strategy in &spec.strategies {
         let settings = RenderSettings {
             integrator,
+            reuse,
             spp: spec.spp,
             seed: spec.seed,
             max_depth: spec.max_depth,

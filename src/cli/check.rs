@@ -5,7 +5,7 @@ use super::summary::plural;
 use clap::Args;
 use kiln::Control;
 use kiln::checks::{Row, Verdict, load, run};
-use kiln::settings::Integrator;
+use kiln::settings::{Integrator, Reuse};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -26,6 +26,9 @@ pub struct CheckCommand {
     /// Which integrator the checks try
     #[arg(long, value_enum, default_value_t)]
     integrator: CheckedIntegrator,
+    /// Whether pixels use each other's paths
+    #[arg(long, value_enum, value_name = "on|off", default_value_t)]
+    reuse: Reuse,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -65,7 +68,9 @@ impl CheckCommand {
         })?;
         let control = Control::default();
         let _interrupt = Interrupt::watch(&control);
-        let Ok(rows) = run(&checks, self.integrator.into(), &control) else { return Ok(Exit::Interrupted) };
+        let Ok(rows) = run(&checks, (self.integrator.into(), self.reuse), &control) else {
+            return Ok(Exit::Interrupted);
+        };
         let good = rows.iter().all(|r| r.verdict.is_good());
         if self.json {
             let summary = Summary::of(checks.len(), &rows);

@@ -6,7 +6,7 @@ use kiln::denoise::Denoiser;
 use kiln::settings::{
     Adaptive, Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Instances,
     Integrator, KdTreeBuilder, Layer, LookSettings, MOST_SPP, PathText, PictureFormat, PictureSettings,
-    PrepareSettings, Preset, RenderSettings, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice,
+    PrepareSettings, Preset, RenderSettings, Reuse, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice,
     ViewSettings,
 };
 use std::path::PathBuf;
@@ -107,6 +107,10 @@ pub struct SettingOptions {
     /// Scattering events after which paths may end by what they carry (Russian roulette, unbiased), or off
     #[arg(long, value_name = "N|off", default_value = "5", value_parser = roulette, help_heading = "Sampling")]
     roulette: u32,
+    /// Whether pixels use each other's paths: less noise in indirect light, but pixels have noise in common; all get the same number of
+    /// samples
+    #[arg(long, value_enum, value_name = "on|off", default_value_t, help_heading = "Sampling")]
+    reuse: Reuse,
     /// How the kd-tree is built
     #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
     kdtree: KdTreeBuilder,
@@ -184,6 +188,9 @@ impl SettingOptions {
         if let Some(program) = &self.denoise {
             Denoiser::new(program).check().map_err(Fatal::failed)?;
         }
+        if self.reuse == Reuse::On && self.integrator != Integrator::Path {
+            return Err(Fatal::usage("--reuse on needs --integrator path: the others follow each path alone"));
+        }
         let file = self.view.as_deref().map(ViewFile::read).transpose().map_err(Fatal::usage)?;
         let of_file = |get: fn(&ViewFile) -> Option<u32>| file.as_ref().and_then(get);
         let views = ViewSettings::default();
@@ -228,6 +235,7 @@ impl SettingOptions {
                 light_samples: self.light_samples,
                 sampler: self.sampler,
                 roulette_after: self.roulette,
+                reuse: self.reuse,
                 clamp: self.clamp.map(|c| c as f32),
             },
             goal,

@@ -1,8 +1,10 @@
 //! Where samples are gathered.
 
+mod groups;
 mod surfaces;
 
 use crate::sampling::REPLICATES;
+pub use groups::{GROUPS, group_in_square};
 use serde::{Deserialize, Serialize};
 pub use surfaces::{Identity, RANKS, Surfaces};
 
@@ -142,6 +144,8 @@ pub struct Film {
     /// Whether every pixel of the picture is opaque, because the environment shows where the asset is not. The sums
     /// know what the asset covers all the same.
     pub opaque: bool,
+    /// Whether pixels of a group use each other's paths ([`group_in_square`]): then their errors have to do with each other.
+    pub shares: bool,
     /// `width · height` sums.
     pub pixels: Vec<PixelSums>,
     /// Rays traced for each square of [`SQUARE`] × [`SQUARE`] pixels, row by row from the top.
@@ -156,7 +160,7 @@ impl Film {
     pub fn new(width: u32, height: u32, opaque: bool) -> Self {
         let pixels = vec![PixelSums::default(); width as usize * height as usize];
         let rays = vec![0; (width.div_ceil(SQUARE) * height.div_ceil(SQUARE)) as usize];
-        Self { width, height, spp: 0, opaque, pixels, rays }
+        Self { width, height, spp: 0, opaque, shares: false, pixels, rays }
     }
 
     /// Samples of all pixels together.
@@ -194,21 +198,22 @@ impl Film {
 }
 
 impl Film {
-    /// The mean of a weighted sum of the first three channels over pixels, which are independent of each other. Its variance is
-    /// only known with two samples per pixel or more.
+    /// The mean of a weighted sum of the first three channels over pixels, which are independent of each other, but for those that use
+    /// each other's paths: they count as one. Its variance is only known with two samples per pixel or more.
     pub fn estimate(&self, pixels: impl Iterator<Item = usize>, weights: [f64; 3]) -> Estimate {
-        let (mut sum, mut count, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);
-        for pixel in pixels.map(|p| &self.pixels[p]) {
-            let own = pixel.variance_of(weights);
-            sum += weighted(weights, &pixel.mean());
+        let (mut sum, mut variance, mut squares) = (0.0, 0.0, 0.0);
+        let mut count = 0.0;
+        let all = self.independent(pixels.inspect(|_| count += 1.0));
+        for sums in &all {
+            let own = sums.variance_of(weights);
+            sum += weighted(weights, &sums.mean());
             variance += own;
             squares += own * own;
-            count += 1.0;
         }
         let free = f64::from(self.spp.min(REPLICATES)) - 1.0;
         // Satterthwaite 1946.
         let degrees = variance * variance / squares * free;
-        let degrees = if degrees.is_finite() { degrees } else { count * free };
+        let degrees = if degrees.is_finite() { degrees } else { all.len() as f64 * free };
         Estimate { mean: sum / count, variance: variance / count / count, degrees }
     }
 }

@@ -64,7 +64,7 @@ pub struct RayCounts {
     pub camera: u64,
     /// From surfaces, by BSDF sampling.
     pub bounce: u64,
-    /// To lights.
+    /// To lights, and between the paths of pixels that use each other's.
     pub shadow: u64,
 }
 
@@ -191,6 +191,7 @@ pub fn render_until(
         tally += tile.store(film);
     }
     film.spp = spp;
+    film.shares |= course.shares();
     Ok(tally)
 }
 

@@ -83,6 +83,11 @@ impl<'a> Course<'a> {
         sampler && strategy && !self.prepared.asks.tints
     }
 
+    /// Whether pixels use each other's paths: lanes do it or nobody.
+    pub fn shares(&self) -> bool {
+        self.settings.shares() && self.lanes_can()
+    }
+
     /// Adds the light that a path gathers at the end of its ray, which has hit something or nothing, and sends it on from
     /// there; false: it ends. `depth` counts scattering events. The radiance is not finite where the path's weight was not.
     pub fn visit(&self, depth: u32, walk: &mut Walk, hit: Option<Hit>, with: &mut Company<impl Recorder>) -> bool {

@@ -1,5 +1,6 @@
 use crate::settings::{
-    Adaptive, Effect, EffectSet, EffectSettings, KdTreeBuilder, Preset, SamplerKind, Settings, Strategy, roulette_after,
+    Adaptive, Effect, EffectSet, EffectSettings, KdTreeBuilder, Preset, Reuse, SamplerKind, Settings, Strategy,
+    roulette_after,
 };
 use clap::ValueEnum;
 use serde::Serialize;
@@ -35,13 +36,16 @@ pub struct Way {
     /// Whether noise decides which pixels get more samples.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
+    /// Whether pixels use each other's paths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reuse: Option<Reuse>,
     /// A goal instead of growing samples: one picture, when its stated error is small enough.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<Preset>,
 }
 
 /// The ways that have a name: name, group, title, and what they do otherwise.
-pub const WAYS: [(&str, &str, &str, &str); 25] = [
+pub const WAYS: [(&str, &str, &str, &str); 26] = [
     ("kiln", "strategies", "Kiln's own way: MIS, Sobol' points, SAH tree", ""),
     ("light", "strategies", "light sampling alone", "strategy=light"),
     ("bsdf", "strategies", "BSDF sampling alone", "strategy=bsdf"),
@@ -68,6 +72,7 @@ pub const WAYS: [(&str, &str, &str, &str); 25] = [
     ),
     ("no-roulette", "roulette", "no Russian roulette: every path to its full depth", "roulette=off"),
     ("even", "adaptive", "the same number of samples in all pixels", "adaptive=off"),
+    ("reuse", "reuse", "pixels use each other's paths", "reuse=on"),
     ("draft", "presets", "--preset draft: until the stated error is 8 levels", "preset=draft"),
     ("preview", "presets", "--preset preview: until the stated error is 4 levels", "preset=preview"),
     ("final", "presets", "--preset final: until the stated error is 1.5 levels", "preset=final"),
@@ -80,14 +85,14 @@ pub const WAYS: [(&str, &str, &str, &str); 25] = [
 ];
 
 /// What a way can do otherwise.
-const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, effects, preset";
+const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, reuse, effects, preset";
 
 /// What is studied unless something else is asked for.
 const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,even,2018,presets";
 
 impl Way {
     /// A way by its name, or one's own: `NAME: KEY=VALUE KEY=VALUE …` with the keys strategy, sampler, kdtree, max-depth,
-    /// light-samples, roulette, adaptive, effects and preset.
+    /// light-samples, roulette, adaptive, reuse, effects and preset.
     ///
     /// # Errors
     /// A sentence.
@@ -120,6 +125,7 @@ impl Way {
                 "roulette" => way.roulette = Some(roulette_after(value).ok_or_else(|| wrong("not a number".into()))?),
                 "effects" => way.effects = Some(value.parse().map_err(wrong)?),
                 "adaptive" => way.adaptive = Some(Adaptive::from_str(value, false).map_err(wrong)?),
+                "reuse" => way.reuse = Some(Reuse::from_str(value, false).map_err(wrong)?),
                 "preset" => way.preset = Some(Preset::from_str(value, false).map_err(wrong)?),
                 _ => return Err(format!("'{key}' is none of {KEYS}")),
             }
@@ -137,6 +143,7 @@ impl Way {
         own.render.light_samples = self.light_samples.unwrap_or(own.render.light_samples);
         own.render.roulette_after = self.roulette.unwrap_or(own.render.roulette_after);
         own.render.adaptive = self.adaptive.unwrap_or(own.render.adaptive);
+        own.render.reuse = self.reuse.unwrap_or(own.render.reuse);
         own.prepare.effects = self.effects.unwrap_or(own.prepare.effects);
         if let Some(preset) = self.preset {
             (own.goal, own.render.spp) = preset.goal();
@@ -165,7 +172,7 @@ fn names() -> Vec<&'static str> {
     WAYS.iter().map(|w| w.0).collect()
 }
 
-/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, adaptive, presets), `usual` and `all`, separated by commas,
+/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, adaptive, reuse, presets), `usual` and `all`, separated by commas,
 /// each once; and those of one's own.
 ///
 /// # Errors

@@ -9,17 +9,18 @@ use crate::passes::room;
 use glam::{DAffine3, DVec3};
 use kiln::batch::{Outcome, Ready};
 use kiln::prepare::{EnvironmentSource, PreparedScene, prepare};
-use kiln::settings::PrepareSettings;
+use kiln::settings::{PrepareSettings, RenderSettings, Reuse};
 use kiln::{Control, Scene, integrate::View};
 use trial::Row;
 
 const SEEDS: u64 = 24;
 const SPP: u32 = 32;
 
-fn rows(name: &str, (scene, view): (PreparedScene, View)) -> Vec<Row> {
+fn rows(name: &str, (scene, view): (PreparedScene, View), reuse: Reuse) -> Vec<Row> {
     let view = View { width: 24, height: 24, ..view };
     let ready = Ready { scene, views: vec![view], exposure: 0.0, outcome: Outcome::skipped(name, 0) };
-    trial::run(name, &ready, (SEEDS, SPP), None).expect("not stopped")
+    let way = RenderSettings { spp: SPP, reuse, ..RenderSettings::default() };
+    trial::run(name, &ready, &way, SEEDS, None).expect("not stopped")
 }
 
 /// A ball in the studio, seen before nothing.
@@ -33,7 +34,7 @@ fn ball() -> (PreparedScene, View) {
 
 #[test]
 fn stated_errors_are_true_and_their_bounds_hold() {
-    let all = [rows("room", room()), rows("ball", ball())];
+    let all = [rows("room", room(), Reuse::Off), rows("ball", ball(), Reuse::Off)];
     for rows in &all {
         // The mean of stated variances is the mean of true squared errors. Each varies by about √(2/n) with n ≈ 400
         // pixels; over 24 pictures that comes to 2 %. Four times that, and the curve's share of a few per cent.
@@ -58,4 +59,18 @@ fn stated_errors_are_true_and_their_bounds_hold() {
     let median = tightness[tightness.len() / 2];
     println!("median bound over true error {median:.3}");
     assert!(median < 1.2, "bounds are loose: {median}");
+}
+
+#[test]
+fn bounds_hold_where_pixels_use_each_others_paths() {
+    let rows = rows("room", room(), Reuse::On);
+    let held = rows.iter().filter(|r| r.error <= r.stated.error_bound).count() as f64;
+    let (n, p) = (rows.len() as f64, 0.95);
+    println!("{held} of {n} bounds hold");
+    assert!(held / n > p - 4.0 * (p * (1.0 - p) / (0.5 * n)).sqrt(), "{held} of {n} bounds hold");
+    // Each pixel's own variance is as true as ever; of what they say together, less is independent.
+    let mean = |get: fn(&Row) -> f64| rows.iter().map(|r| get(r) * get(r)).sum::<f64>();
+    let ratio = (mean(|r| r.stated.error) / mean(|r| r.error)).sqrt();
+    println!("stated over true {ratio:.3}");
+    assert!((0.88..1.15).contains(&ratio), "states {ratio} times its error");
 }

@@ -30,6 +30,7 @@ pub fn settings(options: &Bound<'_, PyDict>) -> PyResult<Settings> {
             }
             "strategy" => settings.render.strategy = word(&key, &value)?,
             "sampler" => settings.render.sampler = word(&key, &value)?,
+            "reuse" => settings.render.reuse = word(&key, &value)?,
             "clamp" => settings.render.clamp = Some(positive(&key, &value)? as f32),
             "camera" => {
                 // Every text is a camera's name.

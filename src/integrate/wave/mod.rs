@@ -11,6 +11,7 @@ mod glass;
 mod lanes;
 mod lights;
 mod look;
+mod reuse;
 mod rows;
 mod shade;
 mod smooth;
@@ -111,10 +112,12 @@ pub(super) struct Memory {
     endless: Vec<f32>,
     slots: Vec<Slot>,
     lights: Box<LightRoom>,
+    /// Where pixels use each other's paths.
+    reuse: Option<Box<reuse::Shared>>,
 }
 
 impl Memory {
-    fn new() -> Self {
+    fn new(shares: bool) -> Self {
         Self {
             paths: Rows::new(PATHS),
             hits: Rows::new(PATHS),
@@ -123,6 +126,7 @@ impl Memory {
             endless: vec![f32::INFINITY; PATHS],
             slots: Vec::with_capacity(PATHS),
             lights: Box::default(),
+            reuse: shares.then(Box::default),
         }
     }
 }
@@ -132,9 +136,9 @@ impl Memory {
 pub(super) struct Memories(Mutex<Vec<Memory>>);
 
 impl Memories {
-    fn take(&self) -> Memory {
+    fn take(&self, shares: bool) -> Memory {
         let free = self.0.lock().ok().and_then(|mut free| free.pop());
-        free.unwrap_or_else(Memory::new)
+        free.unwrap_or_else(|| Memory::new(shares))
     }
 
     fn give_back(&self, memory: Memory) {
@@ -161,7 +165,8 @@ pub(super) fn render_tile(
     control: &Control,
 ) -> Result<(), Stopped> {
     let Sight { view, camera, occupied } = *sight;
-    let mut pixels: Vec<([u32; 2], Range<u32>)> = blockwise(tile.width, tile.height)
+    let order = if course.shares() { reuse::in_groups } else { blockwise };
+    let mut pixels: Vec<([u32; 2], Range<u32>)> = order(tile.width, tile.height)
         .into_iter()
         .map(|[x, y]| ([x, y], tile.wanted((y * tile.width + x) as usize)))
         .filter(|(_, wanted)| !wanted.is_empty())
@@ -178,7 +183,7 @@ pub(super) fn render_tile(
             return control.check();
         }
     }
-    let mut memory = memories.take();
+    let mut memory = memories.take(course.shares());
     let mut next = pixels.iter().map(|(_, wanted)| wanted.start).min().unwrap_or(0);
     let end = pixels.iter().map(|(_, wanted)| wanted.end).max().unwrap_or(0);
     while next < end {
@@ -230,6 +235,9 @@ impl Wave<'_> {
                 break;
             }
         }
+        if self.memory.reuse.is_some() {
+            self.course.prepared.lanes.run(reuse::Join { wave: &mut self, rounds });
+        }
         let paths = rounds.iter().flat_map(|round| round.pixels.iter().map(move |pixel| (round.sample, pixel)));
         for ((sample, [x, y]), slot) in paths.zip(&self.memory.slots) {
             self.tile.add((y * self.tile.width + x) as usize, sample, slot.radiance, slot.covered);
@@ -251,7 +259,11 @@ impl Wave<'_> {
         } else {
             self.begin_one_by_one(view, camera, rounds);
         }
-        self.memory.paths.len = self.memory.slots.len();
+        let memory = &mut *self.memory;
+        memory.paths.len = memory.slots.len();
+        if let Some(shared) = &mut memory.reuse {
+            shared.begin(memory.slots.len());
+        }
         self.tile.tally.rays.camera += self.memory.slots.len() as u64;
     }
 

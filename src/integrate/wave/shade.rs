@@ -2,7 +2,7 @@
 
 use super::lights::Carried;
 use super::look::Look;
-use super::smooth::{mapped_normal, reflecting_normal, visible_normal};
+use super::smooth::{mapped_normal, reflecting_normal, stays, visible_normal};
 use super::sort::Sorted;
 use super::surface::{Fetch, Surface};
 use super::waiting::Waiting;
@@ -119,6 +119,7 @@ impl Wave<'_> {
             bends = bends | look.bends;
         }
         let visible = visible_normal(normal, surface.normal, -dir);
+        surface.steady = stays(normal, surface.normal, -dir);
         let bends = bends & surface.is_flat();
         let shading = reflecting_normal(bends, visible, surface.normal, -dir);
         surface.turn(V3::select(rough | glass, shading, surface.normal), dir);
@@ -148,7 +149,15 @@ impl Wave<'_> {
             let (surface, lobes) = self.surfaces(l, at, sorted, fetch, width);
             let glass = l.mask(sorted.glass);
             let active = l.mask(sorted.lanes) & (lobes.scatters() | glass);
-            let throughput = vector::<L>(&floats, path::THROUGHPUT);
+            let mut throughput = vector::<L>(&floats, path::THROUGHPUT);
+            if self.memory.reuse.is_some() {
+                let lit = active & lobes.has_smooth() & !glass;
+                match depth {
+                    0 => self.keep_first(l, at, lit, &surface, &lobes, throughput),
+                    1 => throughput = self.keep_second(l, at, lit, &surface, &lobes, throughput),
+                    _ => {}
+                }
+            }
             let both_sides = lobes.transmits_smoothly();
             let lit = active & lobes.has_smooth() & !glass;
             let carried = Carried { throughput, slot: words[path::SLOT], samplers, lobes, both_sides };

@@ -69,6 +69,14 @@ pub(super) fn visible_normal<F: Floats>(shading: V3<F>, normal: V3<F>, wo: V3<F>
     V3::select(cosine.ge(least), shading, V3::select(usable, bent, normal))
 }
 
+/// Where [`visible_normal`] leaves a normal as it is, but for its side.
+#[inline(always)]
+pub(super) fn stays<F: Floats>(shading: V3<F>, normal: V3<F>, wo: V3<F>) -> F::Mask {
+    let cosine = shading.dot(wo);
+    let cosine = F::select(shading.dot(normal).lt(cosine.fill(0.0)), -cosine, cosine);
+    cosine.ge(cosine.fill(LEAST_COSINE).min(normal.dot(wo)))
+}
+
 /// As `bend::reflecting_normal`, where `wanted`; the shading normals elsewhere.
 #[inline(always)]
 pub(super) fn reflecting_normal<F: Floats>(wanted: F::Mask, shading: V3<F>, normal: V3<F>, wo: V3<F>) -> V3<F> {

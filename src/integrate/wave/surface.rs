@@ -15,12 +15,14 @@ pub(super) struct Surface<L: Lanes> {
     /// Where what is reflected starts.
     pub point: V3<L::F>,
     /// Where what is transmitted starts: on the triangle.
-    place: V3<L::F>,
-    error: V3<L::F>,
+    pub place: V3<L::F>,
+    pub error: V3<L::F>,
     /// Unit geometric normal on the viewer's side.
     pub normal: V3<L::F>,
     /// Whether `point` is above the triangle, so that directions below its plane are open.
-    lifted: L::M,
+    pub lifted: L::M,
+    /// Whether the shading normal is the one that all viewers on this side see, and not bent to this one.
+    pub steady: L::M,
     pub frame: FrameLanes<L::F>,
     /// Unit vector to the viewer in the frame.
     pub wo: V3<L::F>,
@@ -253,6 +255,7 @@ impl Fetch {
             error: rounding + V3::splat(plane),
             normal,
             lifted: l.mask(0),
+            steady: l.first(LANES),
             frame: FrameLanes { x: normal, y: normal, z: normal },
             wo: dir,
         }

@@ -144,6 +144,7 @@ def render(
     strategy: str | None = None,
     sampler: str | None = None,
     light_samples: int | None = None,
+    reuse: str | None = None,
     clamp: float | None = None,
     surfaces: bool = False,
 ) -> Picture:
@@ -180,7 +181,7 @@ def render(
     options = _given(
         width=width, height=height, spp=spp, error=error, time=time, seed=seed, camera=camera, view=view, turntable=turntable,
         up=up, env=env, exposure=exposure, background=background, tonemap=tonemap, max_depth=max_depth, strategy=strategy,
-        sampler=sampler, light_samples=light_samples, clamp=clamp,
+        sampler=sampler, light_samples=light_samples, reuse=reuse, clamp=clamp,
     )  # fmt: skip
     text, raw = _kiln.render(scene._native, frame, surfaces, options)
     record = json.loads(text)
