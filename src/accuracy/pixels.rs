@@ -170,7 +170,7 @@ mod tests {
             // As far as with a sixteenth of the pixels, were they all the same; here they only might be: σ⁴ of 16 pixels is taken
             // as (16 σ²)² + 16 · 2 σ⁴, a third of it.
             assert_eq!(error, same);
-            let further = (bound / error).ln() / (nearer / same).ln();
+            let further = libm::log(bound / error) / libm::log(nearer / same);
             assert!((2.2..3.0).contains(&further), "{further}");
         }
     }
