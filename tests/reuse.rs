@@ -68,15 +68,15 @@ fn with(scene: &Scene, world: &EnvironmentSource, settings: &RenderSettings, vie
     rendered
 }
 
-/// Means of squares of 16 × 16 pixels, all channels: what pixels use of each other stays within them.
-fn squares(film: &Film) -> Vec<Estimate> {
-    let across = film.width as usize / 16;
+/// Means of blocks of 4 × 4 pixels, all channels: each of their pixels is of another group.
+fn blocks(film: &Film) -> Vec<Estimate> {
+    let width = film.width as usize;
     let pixels = |k: usize| {
-        let corner = (k / across * film.width as usize + k % across) * 16;
-        (0..256).map(move |i| corner + i / 16 * film.width as usize + i % 16)
+        let corner = (k / (width / 4) * width + k % (width / 4)) * 4;
+        (0..16).map(move |i| corner + i / 4 * width + i % 4)
     };
     let channels = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    (0..across * film.height as usize / 16).flat_map(|k| channels.map(|c| film.estimate(pixels(k), c))).collect()
+    (0..film.pixels.len() / 16).flat_map(|k| channels.map(|c| film.estimate(pixels(k), c))).collect()
 }
 
 /// Student's t of a difference, and its degrees of freedom (Welch).
@@ -96,7 +96,7 @@ fn assert_same_light(
 ) {
     let [with_it, without] = [Reuse::On, Reuse::Off].map(|reuse| with(scene, world, &of(reuse), view));
     let whole = |r: &Rendered| r.film.estimate(0..r.film.pixels.len(), [1.0 / 3.0; 3]);
-    let (a, b) = (squares(&with_it.film), squares(&without.film));
+    let (a, b) = (blocks(&with_it.film), blocks(&without.film));
     let level = statistics::sidak(1e-3, a.len() + 1);
     let (t, degrees) = welch(&whole(&with_it), &whole(&without));
     println!("{what}: {:?} {:?}, t = {t}", whole(&with_it), whole(&without));
@@ -104,22 +104,35 @@ fn assert_same_light(
     for (k, (a, b)) in a.iter().zip(&b).enumerate() {
         let (t, degrees) = welch(a, b);
         let p = statistics::student_t_two_sided(t, degrees);
-        assert!(p > level, "{what}: square {k}: {} and {}, t = {t} ({degrees} degrees)", a.mean, b.mean);
+        assert!(p > level, "{what}: block {k}: {} and {}, t = {t} ({degrees} degrees)", a.mean, b.mean);
     }
 }
 
 #[test]
 fn the_light_is_that_of_paths_used_once() {
-    let dark = EnvironmentSource::None;
-    assert_same_light(&room(), &dark, &inside(64), |reuse| settings(reuse, 128, 4), "room");
+    let (dark, view) = (EnvironmentSource::None, inside(16));
+    assert_same_light(&room(), &dark, &view, |reuse| settings(reuse, 1024, 4), "room");
     // One bounce only: what is joined is all the indirect light there is.
-    assert_same_light(&room(), &dark, &inside(64), |reuse| settings(reuse, 128, 2), "two scatterings");
-    let early = |reuse| RenderSettings { roulette_after: 1, strategy: Strategy::Light, ..settings(reuse, 128, 4) };
-    assert_same_light(&room(), &dark, &inside(64), early, "roulette from the first vertex on");
+    assert_same_light(&room(), &dark, &view, |reuse| settings(reuse, 1024, 2), "two scatterings");
+    let early = |reuse| RenderSettings { roulette_after: 1, strategy: Strategy::Light, ..settings(reuse, 1024, 4) };
+    assert_same_light(&room(), &dark, &view, early, "roulette from the first vertex on");
     // Open to a studio's map.
     let mut open = room();
     open.instances.remove(0);
-    assert_same_light(&open, &EnvironmentSource::Studio, &inside(64), |reuse| settings(reuse, 64, 4), "studio");
+    assert_same_light(&open, &EnvironmentSource::Studio, &inside(32), |reuse| settings(reuse, 256, 4), "studio");
+}
+
+/// What a shiny wall sends to one viewer it does not send to another: it is no second vertex for others.
+#[test]
+fn what_shines_is_each_pixels_own() {
+    let mut scene = room();
+    scene.instances.drain(1..6);
+    if let Surface::MetalRough(m) = &mut scene.materials[0].surface {
+        m.base_color = ColorInput::constant([0.1; 3]);
+        (m.specular, m.roughness) = (ScalarInput::constant(1.0), ScalarInput::constant(0.25));
+    }
+    add(&mut scene, square(), lambert(0.8, 0.0), at(0.0, -0.99, 0.0, 1.0) * DAffine3::from_rotation_x(-1.5707963));
+    assert_same_light(&scene, &EnvironmentSource::None, &inside(16), |reuse| settings(reuse, 2048, 3), "shiny walls");
 }
 
 #[test]
@@ -127,7 +140,7 @@ fn the_light_is_the_same_in_a_scene_with_everything() {
     let mut scene = everything();
     scene.lights.iter_mut().for_each(|l| l.through_glass = false);
     let world = EnvironmentSource::Constant([0.2; 3]);
-    let view = view(DVec3::new(0.1, 0.1, 0.95), DVec3::new(0.0, -0.2, -0.6), 70.0, 32);
+    let view = view(DVec3::new(0.1, 0.1, 0.95), DVec3::new(0.0, -0.2, -0.6), 70.0, 16);
     assert_same_light(&scene, &world, &view, |reuse| settings(reuse, 1024, 8), "everything");
 }
 

@@ -8,7 +8,6 @@ use crate::film::group_in_square;
 use crate::integrate::bend::LEAST_COSINE;
 use crate::integrate::trace::{Asker, stops};
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Work};
-use crate::math::Hit;
 use crate::prepare::kdtree::{Coherence, RayBatch};
 use glam::Vec3;
 
@@ -84,10 +83,7 @@ impl Wave<'_> {
             self.memory.slots[slot as usize].radiance += rows.vector(second::THROUGHPUT, at) * light;
             return;
         }
-        let mut others = there & !own;
-        if self.course.prepared.asks.covers && others.any() {
-            others = l.mask(self.met(shared, at, begin, others.bits()));
-        }
+        let others = there & !own;
         let triangle = l.word(rows.word(second::TRIANGLE, at));
         let [o, d, b] = [seen.out.origin.components(), dir.components(), brought.components()];
         let floats = [o[0], o[1], o[2], d[0], d[1], d[2], b[0], b[1], b[2], density];
@@ -97,16 +93,6 @@ impl Wave<'_> {
         shared.pairs.len += others.count();
         let density = density.array()[lane];
         shared.joined.push(Joined { slot, light: own_light, density, end: shared.pairs.len });
-    }
-
-    /// Those lanes whose paths would not go through the second vertex where surfaces are cut out.
-    #[inline(never)]
-    fn met(&self, shared: &Shared, at: usize, begin: usize, lanes: u32) -> u32 {
-        let rows = &shared.second;
-        let [b1, b2] = [second::B1, second::B2].map(|row| rows.float(row, at));
-        let hit = Hit { t: 1.0, triangle: rows.word(second::TRIANGLE, at), b1, b2 };
-        let met = |lane: usize| stops(self.course.prepared, &self.asker(begin + lane), &hit, Vec3::ZERO);
-        (0..LANES).filter(|lane| lanes >> lane & 1 != 0 && met(*lane)).fold(0, |all, lane| all | 1 << lane)
     }
 
     /// Who asks for the rays of the path in a slot from its first vertex on.

@@ -16,8 +16,8 @@
 //!   the viewer. Other second vertices, and paths that find none, stay the path's own.
 //! - Light that is emitted at y or comes from beyond the scene stays the path's own, with its weight against light samples: L is what y
 //!   scatters.
-//! - Where surfaces are cut out, a ray from x_k is stopped by the same random numbers as the path of pixel k, so that it meets the scene that
-//!   this path could have met.
+//! - Where surfaces are cut out, a ray from x_k is stopped by the same random numbers as the path of pixel k: it meets the scene that this
+//!   path could have met. How much of y is there all techniques find alike, so nobody asks.
 //!
 //! Samples of one number only are joined, so the replicates stay independent.
 

@@ -17,9 +17,7 @@ pub const SHADING: usize = 9;
 pub const THROUGHPUT: usize = 12;
 /// Density of its direction over solid angle.
 pub const PDF: usize = 15;
-pub const B1: usize = 16;
-pub const B2: usize = 17;
-pub const FLOATS: usize = 18;
+pub const FLOATS: usize = 16;
 
 pub const SLOT: usize = 0;
 pub const TRIANGLE: usize = 1;
@@ -70,8 +68,6 @@ impl Wave<'_> {
             floats[row..row + 3].copy_from_slice(&v.components());
         }
         floats[PDF] = pdf;
-        floats[B1] = memory.hits.load(l, hit::B1, at);
-        floats[B2] = memory.hits.load(l, hit::B2, at);
         let triangle = memory.hits.load_words(l, hit::TRIANGLE, at);
         shared.second.store::<L>(shared.second.len, fits, floats, [slot, triangle]);
         shared.second.len += fits.count();
