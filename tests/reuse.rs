@@ -131,7 +131,12 @@ fn what_shines_is_each_pixels_own() {
         m.base_color = ColorInput::constant([0.1; 3]);
         (m.specular, m.roughness) = (ScalarInput::constant(1.0), ScalarInput::constant(0.25));
     }
-    add(&mut scene, square(), lambert(0.8, 0.0), at(0.0, -0.99, 0.0, 1.0) * DAffine3::from_rotation_x(-1.5707963));
+    add(
+        &mut scene,
+        square(),
+        lambert(0.8, 0.0),
+        at(0.0, -0.99, 0.0, 1.0) * DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2),
+    );
     assert_same_light(&scene, &EnvironmentSource::None, &inside(16), |reuse| settings(reuse, 2048, 3), "shiny walls");
 }
 
