@@ -1,16 +1,15 @@
 //! Seconds and peak memory of importing files, one line each: `cargo run --release -p kiln-formats --example import_speed
-//! -- FILE…`. With `--tobj` OBJ files are loaded by `tobj` alone, for comparison. One file a process tells its peak.
+//! -- FILE…`. With `--tobj` OBJ files are loaded by `tobj` alone, for comparison; with `--packed` images of glTF files stay encoded, as
+//! Blender's import leaves them. One file a process tells its peak.
 
-use kiln_formats::{Control, ImportOptions, import};
+use kiln_formats::{Control, ImportOptions, import, survey};
 use std::path::Path;
 use std::time::Instant;
 
 fn main() {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();
-    let tobj_alone = arguments.first().is_some_and(|a| a == "--tobj");
-    if tobj_alone {
-        arguments.remove(0);
-    }
+    let mut flag = |name| arguments.first().is_some_and(|a| a == name).then(|| arguments.remove(0)).is_some();
+    let (tobj_alone, packed) = (flag("--tobj"), flag("--packed"));
     for file in &arguments {
         let start = Instant::now();
         let told = if tobj_alone {
@@ -20,10 +19,12 @@ fn main() {
                 Err(error) => error.to_string(),
             }
         } else {
-            match import(Path::new(file), &ImportOptions::default(), &Control::default()) {
-                Ok(imported) => format!("{} triangles", imported.scene.triangle_count()),
-                Err(error) => error.to_string(),
-            }
+            let (file, options, control) = (Path::new(file), ImportOptions::default(), Control::default());
+            let triangles = match packed {
+                true => survey(file, &options, &control).map(|survey| survey.found().scene.triangle_count()),
+                false => import(file, &options, &control).map(|imported| imported.scene.triangle_count()),
+            };
+            triangles.map_or_else(|error| error.to_string(), |n| format!("{n} triangles"))
         };
         let seconds = start.elapsed().as_secs_f64();
         println!("{seconds:8.3} s  {:8.1} MB  {file}: {told}", peak_megabytes().unwrap_or(f64::NAN));

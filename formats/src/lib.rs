@@ -86,7 +86,7 @@ pub struct Imported {
 /// [`ImportError`] when nothing can be shown. Never panics: a panic in a third-party decoder becomes
 /// [`ErrorCode::Internal`].
 pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result<Imported, ImportError> {
-    import_noting(path, options, control, &mut Touched::default())
+    read(path, options, control, &mut Touched::default(), Wanted::Scene)
 }
 
 /// As [`import()`], with the files that were read and looked for, whether it goes well or not.
@@ -99,9 +99,54 @@ pub fn import_noting(
     control: &Control,
     touched: &mut Touched,
 ) -> Result<Imported, ImportError> {
+    read(path, options, control, touched, Wanted::SceneAndHashes)
+}
+
+/// An asset as its files describe it, read to be told of and not to be shown: images of glTF files are known by their headers, and no tangents are
+/// made (which would double vertices at seams).
+#[derive(Clone, Debug)]
+pub struct Survey(Imported);
+
+impl Survey {
+    /// What was found. The scene is sound but for its images: where only the header was read, they have a size and a kind of pixels, but no pixels.
+    pub fn found(&self) -> &Imported {
+        &self.0
+    }
+}
+
+/// Reads an asset as [`import()`] does, but decodes no image that geometry and materials don't depend on, and makes no tangents. Damaged images and normal maps
+/// that cannot be used are not noticed then.
+///
+/// # Errors
+/// As [`import()`].
+pub fn survey(path: &Path, options: &ImportOptions, control: &Control) -> Result<Survey, ImportError> {
+    read(path, options, control, &mut Touched::default(), Wanted::Survey).map(Survey)
+}
+
+/// What an asset is read for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    SceneAndHashes,
+    Scene,
+    Survey,
+}
+
+fn read(
+    path: &Path,
+    options: &ImportOptions,
+    control: &Control,
+    touched: &mut Touched,
+    wanted: Wanted,
+) -> Result<Imported, ImportError> {
     let format = Format::of(path)
         .ok_or_else(|| ImportError::new(ErrorCode::UnknownFormat, "is not a .gltf, .glb, .obj or .ray file"))?;
     let mut resources = Resources::new(path, options.root.as_deref(), options.limits)?;
+    if wanted != Wanted::SceneAndHashes {
+        resources.skip_hashes();
+    }
+    if wanted == Wanted::Survey {
+        resources.only_survey();
+    }
     let (mut warnings, mut contents) = (Vec::new(), Contents::default());
     let run = AssertUnwindSafe(|| {
         let bytes = resources.read_asset(path)?;
@@ -115,9 +160,8 @@ pub fn import_noting(
     *touched = resources.touched();
     let scene =
         imported.unwrap_or_else(|_| Err(ImportError::new(ErrorCode::Internal, "a decoder panicked on this file")))?;
-    scene
-        .validate()
-        .map_err(|e| ImportError::new(ErrorCode::Internal, format!("importer made an invalid scene: {e}")))?;
+    let sound = if wanted == Wanted::Survey { scene.validate_but_images() } else { scene.validate() };
+    sound.map_err(|e| ImportError::new(ErrorCode::Internal, format!("importer made an invalid scene: {e}")))?;
     if scene.triangle_count() > options.limits.max_triangles {
         let message =
             format!("{} triangles exceed the limit of {}", scene.triangle_count(), options.limits.max_triangles);

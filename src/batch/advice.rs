@@ -141,6 +141,11 @@ pub const ALL: &[Advice] = &[
     advice("skin-ignored", "A skin is broken; the mesh is shown unbent", "export the skin again"),
     advice("texcoord-ignored", "A set of texture coordinates is not used", "use the first or second set"),
     advice(
+        "texture-fallback",
+        "An image cannot be shown; another one that the texture names is",
+        "nothing, or convert the image anew",
+    ),
+    advice(
         "time-cut",
         "The time was over before the picture was as good as asked for",
         "more `--time`, or a larger `--error`",

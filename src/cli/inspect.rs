@@ -9,16 +9,17 @@ use clap::Args;
 use kiln::Control;
 use kiln::batch::{AssetFacts, MaterialFacts, TextureFacts, lights_itself};
 use kiln::formats::scene::Projection;
-use kiln::formats::{Contents, ErrorCode, Format, ImportOptions, import};
+use kiln::formats::{Contents, ErrorCode, Format, ImportError, ImportOptions, Imported, import, survey};
 use kiln::prepare::{EnvironmentSource, prepare};
 use kiln::settings::{Instances, KdTreeBuilder, PrepareSettings, SimdTier};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
   kiln inspect chair.glb
   kiln inspect chair.glb --json | jq .textures
+  kiln inspect chair.glb --quick
   kiln inspect chair.glb --effects --measure
   kiln inspect fox.glb --time-code 0.5
   kiln inspect chair.glb --rays
@@ -36,6 +37,10 @@ pub struct InspectCommand {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    /// Tell what the files say and no more: images of glTF files are known by their headers, not decoded, and neither tangents nor a kd-tree are
+    /// made
+    #[arg(long, conflicts_with_all = ["effects", "rays"])]
+    quick: bool,
     /// Show which effects the scene calls for and why, and what is left away because it has none
     #[arg(long)]
     effects: bool,
@@ -72,8 +77,12 @@ impl InspectCommand {
         let look = self.looks.settings();
         let (root, show, ray) = (self.root.clone(), look.show, look.ray);
         let options = ImportOptions { root, show, ray, ..ImportOptions::default() };
-        let imported = import(&self.asset, &options, &control)
-            .map_err(|e| Fatal::failed(format!("{name}: {}: {e}", e.code.as_str())))?;
+        let failed = |e: ImportError| Fatal::failed(format!("{name}: {}: {e}", e.code.as_str()));
+        if self.quick {
+            let survey = survey(&self.asset, &options, &control).map_err(failed)?;
+            return self.tell_quickly(&name, survey.found());
+        }
+        let imported = import(&self.asset, &options, &control).map_err(failed)?;
         let format = Format::of(&self.asset);
         let own_light = lights_itself(&imported.scene, format);
         let facts = AssetFacts::of(format, &imported);
@@ -93,24 +102,20 @@ impl InspectCommand {
             false => None,
         };
         if self.json {
-            let mut value = serde_json::to_value(&facts).map_err(|e| Fatal::failed(e.to_string()))?;
-            if let Value::Object(object) = &mut value {
-                object.insert("input".into(), name.into());
-                object.insert("light".into(), if own_light { "own" } else { "studio" }.into());
-                object.insert("degenerate_triangles".into(), prepared.degenerate_triangles.into());
-                object.insert("emitters".into(), prepared.emitters.into());
-                object.insert("kdtree".into(), json!(tree));
-                object.insert("effects".into(), json!(prepared.effects()));
-                object.insert("rewrites".into(), json!(prepared.rewrites));
-                object.insert("attribute_bytes".into(), json!(prepared.attribute_bytes()));
-                if let Some(saved) = &saved {
-                    object.insert("measured".into(), json!(saved));
-                }
-                if let Some(rays) = &rays {
-                    self.rays.tell_json(rays, tree.build_seconds, object);
-                }
+            let mut object = described(&name, &facts, own_light)?;
+            object.insert("degenerate_triangles".into(), prepared.degenerate_triangles.into());
+            object.insert("emitters".into(), prepared.emitters.into());
+            object.insert("kdtree".into(), json!(tree));
+            object.insert("effects".into(), json!(prepared.effects()));
+            object.insert("rewrites".into(), json!(prepared.rewrites));
+            object.insert("attribute_bytes".into(), json!(prepared.attribute_bytes()));
+            if let Some(saved) = &saved {
+                object.insert("measured".into(), json!(saved));
             }
-            print_line(&value.to_string());
+            if let Some(rays) = &rays {
+                self.rays.tell_json(rays, tree.build_seconds, &mut object);
+            }
+            print_line(&Value::Object(object).to_string());
         } else {
             print_line(&text(&name, &facts, own_light));
             let left_out = match prepared.degenerate_triangles {
@@ -148,6 +153,28 @@ impl InspectCommand {
         }
         Ok(Exit::Done)
     }
+
+    /// What importing alone tells.
+    fn tell_quickly(&self, name: &str, imported: &Imported) -> Result<Exit, Fatal> {
+        let format = Format::of(&self.asset);
+        let own_light = lights_itself(&imported.scene, format);
+        let facts = AssetFacts::of(format, imported);
+        if self.json {
+            print_line(&Value::Object(described(name, &facts, own_light)?).to_string());
+        } else {
+            print_line(&text(name, &facts, own_light));
+        }
+        Ok(Exit::Done)
+    }
+}
+
+/// The facts as JSON, with the file's name and what lights it.
+fn described(name: &str, facts: &AssetFacts, own_light: bool) -> Result<Map<String, Value>, Fatal> {
+    let value = serde_json::to_value(facts).map_err(|e| Fatal::failed(e.to_string()))?;
+    let Value::Object(mut object) = value else { return Err(Fatal::failed(format!("{name}: facts are no object"))) };
+    object.insert("input".into(), name.into());
+    object.insert("light".into(), if own_light { "own" } else { "studio" }.into());
+    Ok(object)
 }
 
 fn builder(builder: KdTreeBuilder) -> &'static str {

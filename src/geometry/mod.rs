@@ -1,6 +1,7 @@
 //! Surfaces in the rays' frame, and what their materials and textures say at a point.
 
 mod coverage;
+mod cutouts;
 pub mod emission;
 mod known;
 mod marks;
@@ -8,12 +9,14 @@ mod parts;
 mod pyramid;
 mod records;
 mod shapes;
+mod shrink;
 pub mod textures;
 mod textures_lanes;
 mod triangles;
 mod world;
 
 pub use coverage::coverage;
+pub use cutouts::bleed;
 pub use parts::Part;
 pub use pyramid::Pyramids;
 pub use records::Record;

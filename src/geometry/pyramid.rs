@@ -1,14 +1,16 @@
 //! Textures at half, a quarter, … of their size (Williams 1983), for rays that see many texels at once.
 
-use super::textures::{SRGB_8, linear_to_srgb_8, srgb_to_linear};
-use kiln_formats::scene::{ColorSpace, Image, ImageId, Pixels};
+use super::cutouts::{self, Weighing};
+use super::shrink::half;
+use kiln_formats::scene::{ColorSpace, Image, ImageId};
 use kiln_formats::{Control, Scene, parallel};
 use std::collections::BTreeMap;
 
-/// The smaller versions of all images that the scene's textures use. Averages are taken of linear values.
+/// The smaller versions of all images that the scene's textures use. Averages are taken of linear values, and over those texels only
+/// that can be seen (`cutouts`).
 #[derive(Debug, Default)]
 pub struct Pyramids {
-    /// Each image in each colour space that it is used in, from half size down to one texel.
+    /// Each image in each way that it is used in, from half size down to one texel.
     chains: Vec<Vec<Image>>,
     /// The chain of each texture.
     of_texture: Vec<u32>,
@@ -17,16 +19,18 @@ pub struct Pyramids {
 impl Pyramids {
     /// Makes them, on the current rayon pool; `control` is told what that takes there.
     pub fn new(scene: &Scene, control: &Control) -> Self {
-        let mut ids: BTreeMap<(ImageId, bool), u32> = BTreeMap::new();
+        let mut ids: BTreeMap<(ImageId, bool, Weighing), u32> = BTreeMap::new();
         let mut sources = Vec::new();
-        let of_texture = scene.textures.iter().map(|texture| {
-            *ids.entry((texture.image, texture.color_space == ColorSpace::Srgb)).or_insert_with(|| {
-                sources.push((texture.image, texture.color_space));
+        let of_texture = scene.textures.iter().zip(cutouts::weighings(scene)).map(|(texture, weighing)| {
+            *ids.entry((texture.image, texture.color_space == ColorSpace::Srgb, weighing)).or_insert_with(|| {
+                sources.push((texture.image, texture.color_space, weighing));
                 sources.len() as u32 - 1
             })
         });
         let of_texture = of_texture.collect();
-        let chain = |(image, space): &(ImageId, ColorSpace)| chain(&scene.images[*image as usize], *space);
+        let chain = |(image, space, weighing): &(ImageId, ColorSpace, Weighing)| {
+            chain(&scene.images[*image as usize], *space, *weighing)
+        };
         Self { chains: parallel::map(&sources, control, chain), of_texture }
     }
 
@@ -46,117 +50,30 @@ impl Pyramids {
     }
 }
 
-fn chain(image: &Image, space: ColorSpace) -> Vec<Image> {
+fn chain(image: &Image, space: ColorSpace, weighing: Weighing) -> Vec<Image> {
     let mut chain: Vec<Image> = Vec::new();
+    let mut weights = weighing.of(image);
     loop {
         let last = chain.last().unwrap_or(image);
         if last.width == 1 && last.height == 1 {
             return chain;
         }
-        chain.push(half(last, space));
-    }
-}
-
-/// The image at half its size, rounded down but not below 1: each texel is the mean of what it covers. Images of 8 bits
-/// stay so (colours with the transfer function they had); others become linear floats.
-fn half(image: &Image, space: ColorSpace) -> Image {
-    let (width, height) = ((image.width / 2).max(1), (image.height / 2).max(1));
-    let size = 4 * width as usize * height as usize;
-    let srgb = space == ColorSpace::Srgb;
-    let pixels = match &image.pixels {
-        Pixels::Rgba8(p) => {
-            let colours: [f32; 256] = if srgb { *SRGB_8 } else { std::array::from_fn(|i| i as f32 / 255.0) };
-            let mut out = Vec::with_capacity(size);
-            let store = |c: usize, x: f32| {
-                if srgb && c < 3 { linear_to_srgb_8(x) } else { (x * 255.0 + 0.5) as u8 }
-            };
-            shrink(
-                p,
-                image.width,
-                image.height,
-                |c, x| if c < 3 { colours[x as usize] } else { f32::from(x) / 255.0 },
-                |texel| {
-                    out.extend([0, 1, 2, 3].map(|c| store(c, texel[c])));
-                },
-            );
-            Pixels::Rgba8(out)
+        let (mut smaller, its_weights) = half(last, space, weights.as_deref());
+        weights = weights.map(|_| its_weights);
+        if let Some(weights) = &weights {
+            cutouts::spread(&mut smaller, weights);
         }
-        Pixels::Rgba16(p) => {
-            let mut out = Vec::with_capacity(size);
-            let decode = |c: usize, x: u16| {
-                let x = f32::from(x) / 65535.0;
-                if srgb && c < 3 { srgb_to_linear(x) } else { x }
-            };
-            shrink(p, image.width, image.height, decode, |texel| out.extend(texel));
-            Pixels::RgbaF32(out)
-        }
-        Pixels::RgbaF32(p) => {
-            let mut out = Vec::with_capacity(size);
-            shrink(p, image.width, image.height, |_, x| x, |texel| out.extend(texel));
-            Pixels::RgbaF32(out)
-        }
-    };
-    Image { name: String::new(), width, height, pixels }
-}
-
-/// Which texels a texel of half size covers along an axis of `size` texels, and their shares: two where the size is even,
-/// three where it is odd, one where it is 1.
-fn covered(at: u32, size: u32) -> ([usize; 3], [f32; 3]) {
-    if size == 1 {
-        return ([0; 3], [1.0, 0.0, 0.0]);
-    }
-    let first = 2 * at as usize;
-    if size.is_multiple_of(2) {
-        return ([first, first + 1, first], [0.5, 0.5, 0.0]);
-    }
-    // A texel of the half covers 2 + 1/(size/2) texels, moved on by that fraction each time.
-    let n = (size / 2) as f32;
-    let whole = size as f32;
-    let shares = [(n - at as f32) / whole, n / whole, (at as f32 + 1.0) / whole];
-    ([first, first + 1, first + 2], shares)
-}
-
-/// Gives `store` the mean of each texel of half size, row by row.
-fn shrink<T: Copy>(
-    pixels: &[T],
-    width: u32,
-    height: u32,
-    decode: impl Fn(usize, T) -> f32,
-    mut store: impl FnMut([f32; 4]),
-) {
-    let texels: &[[T; 4]] = pixels.as_chunks().0;
-    let columns: Vec<_> = (0..(width / 2).max(1)).map(|x| covered(x, width)).collect();
-    for y in 0..(height / 2).max(1) {
-        let (rows, row_shares) = covered(y, height);
-        for (across, shares) in &columns {
-            let mut sum = [0.0; 4];
-            for (row, row_share) in rows.iter().zip(row_shares) {
-                if row_share == 0.0 {
-                    continue;
-                }
-                for (column, share) in across.iter().zip(shares) {
-                    if *share == 0.0 {
-                        continue;
-                    }
-                    let texel = texels[row * width as usize + column];
-                    for (c, sum) in sum.iter_mut().enumerate() {
-                        *sum += row_share * share * decode(c, texel[c]);
-                    }
-                }
-            }
-            store(sum);
-        }
+        chain.push(smaller);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kiln_formats::scene::{Texture, TextureRef};
+    use kiln_formats::scene::{Pixels, Texture, TextureRef};
 
-    fn image(width: u32, height: u32, f: impl Fn(u32, u32) -> u8) -> Image {
-        let pixels =
-            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| [f(x, y); 4]).collect();
+    fn image(width: u32, height: u32, f: impl Fn(u32, u32) -> [u8; 4]) -> Image {
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| f(x, y)).collect();
         Image { name: String::new(), width, height, pixels: Pixels::Rgba8(pixels) }
     }
 
@@ -167,26 +84,37 @@ mod tests {
 
     #[test]
     fn black_and_white_average_to_half_the_light() {
-        let board = image(8, 8, |x, y| if (x + y) % 2 == 0 { 255 } else { 0 });
-        let colours = chain(&board, ColorSpace::Srgb);
+        let board = image(8, 8, |x, y| if (x + y) % 2 == 0 { [255; 4] } else { [0; 4] });
+        let colours = chain(&board, ColorSpace::Srgb, Weighing::Even);
         assert_eq!(colours.iter().map(|i| (i.width, i.height)).collect::<Vec<_>>(), [(4, 4), (2, 2), (1, 1)]);
         // 188 is the sRGB code of 0.5; alpha is linear.
         colours.iter().for_each(|level| assert_eq!(first(level), [188, 188, 188, 128]));
-        assert_eq!(first(&chain(&board, ColorSpace::Linear)[0]), [128; 4]);
+        assert_eq!(first(&chain(&board, ColorSpace::Linear, Weighing::Even)[0]), [128; 4]);
     }
 
     #[test]
-    fn every_texel_of_an_odd_image_counts_the_same() {
-        for (width, height) in [(5, 3), (7, 1), (1, 9), (3, 4)] {
-            for spot in 0..width * height {
-                let values = (0..width * height).flat_map(|k| [if k == spot { 1.0 } else { 0.0 }; 4]).collect();
-                let source = Image { name: String::new(), width, height, pixels: Pixels::RgbaF32(values) };
-                let smaller = half(&source, ColorSpace::Linear);
-                let Pixels::RgbaF32(p) = &smaller.pixels else { panic!("floats stay floats") };
-                let mean = p.iter().sum::<f32>() / p.len() as f32;
-                assert!((mean * (width * height) as f32 - 1.0).abs() < 1e-5, "{width}×{height}, {spot}: {mean}");
+    fn colours_that_nothing_shows_do_not_count() {
+        // Green leaves of 3 texels in 16 on a black ground that is cut out, in images of even and of odd sizes.
+        for (width, height) in [(16, 16), (15, 9)] {
+            let leaf = |x: u32, y: u32| x % 4 == 1 && y % 4 < 3;
+            let leaves = image(width, height, |x, y| if leaf(x, y) { [40, 200, 90, 255] } else { [0; 4] });
+            for weighing in [Weighing::by_alpha(), Weighing::by_cutoff(0.5)] {
+                for level in chain(&leaves, ColorSpace::Srgb, weighing) {
+                    let Pixels::Rgba8(texels) = &level.pixels else { panic!("8 bits stay 8 bits") };
+                    for texel in texels.chunks_exact(4).filter(|texel| texel[3] > 0) {
+                        assert_eq!(texel[..3], [40, 200, 90], "{}×{}", level.width, level.height);
+                    }
+                }
             }
+            let smallest = |weighing| first(chain(&leaves, ColorSpace::Srgb, weighing).last().unwrap());
+            // Alpha is the share that is there, whatever counts for the colour.
+            assert_eq!(smallest(Weighing::by_alpha())[3], smallest(Weighing::Even)[3]);
+            assert!(smallest(Weighing::Even)[1] < 110);
         }
+        // A soft edge under the threshold is not there at all.
+        let edge = image(2, 1, |x, _| if x == 0 { [255, 255, 255, 200] } else { [0, 0, 0, 100] });
+        assert_eq!(first(&chain(&edge, ColorSpace::Linear, Weighing::by_cutoff(0.5))[0]), [255, 255, 255, 150]);
+        assert_eq!(first(&chain(&edge, ColorSpace::Linear, Weighing::by_alpha())[0]), [170, 170, 170, 150]);
     }
 
     #[test]
@@ -199,7 +127,7 @@ mod tests {
             color_space,
         };
         let scene = Scene {
-            images: vec![image(4, 4, |x, _| x as u8)],
+            images: vec![image(4, 4, |x, _| [x as u8; 4])],
             textures: vec![of(ColorSpace::Srgb), of(ColorSpace::Linear), of(ColorSpace::Srgb)],
             ..Scene::default()
         };

@@ -3,6 +3,8 @@
 mod bend;
 mod camera;
 mod cone;
+#[cfg(test)]
+mod cutouts_tests;
 mod direct;
 mod dropped;
 #[cfg(test)]

@@ -11,7 +11,7 @@ mod rare_light;
 
 pub(crate) use crate::effects::Knowledge;
 use crate::effects::{self, Rewrite};
-use crate::geometry::{Geometry, Pyramids, WorldFrame, world_bounds};
+use crate::geometry::{Geometry, Pyramids, WorldFrame, bleed, world_bounds};
 use crate::lanes::AnyLanes;
 use crate::lighting::{Environment, Lights};
 pub use crate::lighting::{EnvironmentSource, SharedEnvironment};
@@ -141,6 +141,7 @@ pub(crate) fn prepare_knowing(
     effects::leave_out(&mut scene, settings.effects.without);
     let rewrites = if settings.effects.raw { Vec::new() } else { effects::normalise(&mut scene) };
     control.check()?;
+    bleed(&mut scene);
     if settings.physical_lights {
         physical::replace_soft_lights(&mut scene, settings.point_lights);
     }

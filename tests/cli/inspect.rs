@@ -82,6 +82,16 @@ fn its_json_is_documented_and_tells_what_the_file_says_of_itself() {
             assert!(row.contains(&format!("`{key}`")), "{list}.{key} is not documented");
         }
     }
+    // In haste the same is told of the file, and nothing of what is made of it.
+    let quick = kiln(dir.path(), &["inspect", "a.gltf", "--quick", "--json"]);
+    let quick: Value = serde_json::from_slice(&quick.stdout).expect("JSON");
+    for (key, value) in facts.as_object().expect("an object") {
+        let made = ["degenerate_triangles", "emitters", "kdtree", "effects", "rewrites", "attribute_bytes"];
+        assert_eq!(quick.get(key), Some(value).filter(|_| !made.contains(&key.as_str())), "{key}");
+    }
+    let text = String::from_utf8(kiln(dir.path(), &["inspect", "a.gltf", "--quick"]).stdout).expect("text");
+    assert!(text.contains("by hand") && !text.contains("kd-tree"), "{text}");
+    assert_eq!(code(&kiln(dir.path(), &["inspect", "a.gltf", "--quick", "--effects"])), 2);
     let text = String::from_utf8(kiln(dir.path(), &["inspect", "a.gltf"]).stdout).expect("text");
     for told in ["'walk', 1.00 s, 1 channel", "'beach'", "KHR_materials_unlit, on 1 material", "by hand"] {
         assert!(text.contains(told), "{told} in {text}");

@@ -24,6 +24,24 @@ pub(super) fn stated_texels(bytes: &[u8]) -> u64 {
     word(20).zip(word(24)).map_or(0, |(width, height)| width.saturating_mul(height))
 }
 
+/// A picture's size without its texels.
+///
+/// # Errors
+/// [`ErrorCode::TooLarge`] when that is more than `max_texels`, [`ErrorCode::Invalid`] where the header is cut short; the file is `name`.
+pub(super) fn header(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, ImportError> {
+    let word = |at: usize| bytes.get(at..)?.first_chunk().map(|b| u32::from_le_bytes(*b));
+    let (width, height) = word(20).zip(word(24)).ok_or_else(|| broken("it is cut short").in_file(name))?;
+    let texels = u64::from(width) * u64::from(height);
+    if texels == 0 {
+        return Err(broken("it has no pixels").in_file(name));
+    }
+    if texels > max_texels {
+        let message = format!("{width}×{height} texels exceed the limit of {max_texels}");
+        return Err(ImportError::new(ErrorCode::TooLarge, message).in_file(name));
+    }
+    Ok(Image { name: name.into(), width, height, pixels: Pixels::Rgba8(Vec::new()) })
+}
+
 /// Decodes the largest level of a two-dimensional texture, as stored: the colour space is up to the texture's use.
 ///
 /// # Errors

@@ -26,6 +26,7 @@ mod materials;
 mod mend;
 mod meshopt;
 mod nodes;
+mod pictures;
 mod pose;
 mod primitive;
 mod prune;
@@ -153,6 +154,7 @@ fn geometry(
         accessors,
         report,
         control,
+        survey: resources.is_survey(),
         points_or_lines: 0,
         first_points_or_lines: String::new(),
         first_nothing: None,
@@ -244,7 +246,7 @@ fn read_mesh(
         reader.control.advance(1);
         let Some(mut posed) = posed else { continue };
         let mut material = materials.id(root, known, reader.report);
-        match materials.tangent_source(material) {
+        match materials.tangent_source(material).filter(|_| !reader.survey) {
             Some(source) => {
                 if let Err(why) = primitive::complete_tangents(&mut posed.mesh, &source) {
                     let message = format!("{why}: the normal map (and anisotropy) is left out");

@@ -16,6 +16,8 @@ pub(super) struct Reader<'a, 'r> {
     pub(super) accessors: Accessors<'a>,
     pub(super) report: &'a mut Report<'r>,
     pub(super) control: &'a Control,
+    /// Whether nobody is to render what is read.
+    pub(super) survey: bool,
     /// Primitives of points or lines seen, and the first one's place.
     pub(super) points_or_lines: usize,
     pub(super) first_points_or_lines: String,

@@ -92,7 +92,7 @@ fn import_logged(
         let lowered = scene.materials.get(material as usize);
         let grain = lowered.and_then(Material::layers).filter(|l| l.need_tangents()).map(|_| TextureRef::new(0));
         let source = lowered.and_then(|m| m.normal_map).map(|n| n.texture).or(grain);
-        if let Some(source) = source {
+        if let Some(source) = source.filter(|_| !resources.is_survey()) {
             let made = tangents::generate(&mut mesh, usize::from(source.uv_set), &source.transform);
             if let Err(why) = made {
                 let message =

@@ -75,6 +75,12 @@ impl Scene {
     /// # Errors
     /// The first broken guarantee, with the path of the offending item, such as `meshes[3].triangles[17]`.
     pub fn validate(&self) -> Result<(), InvalidScene> {
-        validate::validate(self)
+        validate::images(self)?;
+        validate::validate_but_images(self)
+    }
+
+    /// [`Scene::validate`] of a scene whose images need not have pixels.
+    pub(crate) fn validate_but_images(&self) -> Result<(), InvalidScene> {
+        validate::validate_but_images(self)
     }
 }

@@ -18,10 +18,12 @@ fn in_range(place: String, index: u32, len: usize) -> Result<(), InvalidScene> {
     if (index as usize) < len { Ok(()) } else { broken(place, format!("index {index} of {len}")) }
 }
 
-pub(super) fn validate(scene: &Scene) -> Result<(), InvalidScene> {
-    for (i, image) in scene.images.iter().enumerate() {
-        check_image(image).or_else(|m| broken(format!("images[{i}]"), m))?;
-    }
+pub(super) fn images(scene: &Scene) -> Result<(), InvalidScene> {
+    let mut images = scene.images.iter().enumerate();
+    images.try_for_each(|(i, image)| check_image(image).or_else(|m| broken(format!("images[{i}]"), m)))
+}
+
+pub(super) fn validate_but_images(scene: &Scene) -> Result<(), InvalidScene> {
     for (i, texture) in scene.textures.iter().enumerate() {
         in_range(format!("textures[{i}].image"), texture.image, scene.images.len())?;
     }
