@@ -3,12 +3,12 @@
 use super::buffers::Buffers;
 use super::pictures;
 use super::report::Report;
-use crate::scene::{ColorSpace, Filter, Material, NormalMap, Scene, Surface, Texture, TextureRef, Wrap};
+use crate::scene::{ColorSpace, Filter, ImageId, Material, NormalMap, Scene, Surface, Texture, TextureRef, Wrap};
 use crate::{Control, ImportError, Resources};
 use gltf::json;
 use gltf::json::texture::{MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Textures asked for so far. Their numbers are provisional until [`Textures::load`].
 #[derive(Default)]
@@ -40,12 +40,16 @@ impl Textures {
         report: &mut Report,
         control: &Control,
     ) -> Result<(), ImportError> {
-        let wanted: Vec<usize> = self.used.iter().map(|(texture, _)| *texture).collect();
+        // Once each, though one may be read in two colour spaces.
+        let mut known = BTreeSet::new();
+        let wanted: Vec<usize> = self.used.iter().map(|(texture, _)| *texture).filter(|t| known.insert(*t)).collect();
         let found = pictures::load(&wanted, root, buffers, resources, &mut scene.images, report, control)?;
         let mut ids = Vec::new();
-        for ((texture, space), image) in self.used.iter().zip(found) {
-            ids.push(image.map(|image| {
-                scene.textures.push(build(root, *texture, image, *space));
+        let images: BTreeMap<usize, ImageId> =
+            wanted.into_iter().zip(found).filter_map(|(texture, image)| Some((texture, image?))).collect();
+        for (texture, space) in &self.used {
+            ids.push(images.get(texture).map(|image| {
+                scene.textures.push(build(root, *texture, *image, *space));
                 (scene.textures.len() - 1) as u32
             }));
         }
