@@ -7,21 +7,29 @@ use crate::math::float_error::gamma;
 use glam::Vec3;
 use kiln_formats::Scene;
 
-/// Emissive triangles side by side: what [`area::sample`] reads of the geometry and the materials.
+/// Emissive triangles: what [`area::sample`] reads of the geometry and the materials.
 #[derive(Debug, Default)]
 pub(super) struct AreaTable {
-    corners: [[Vec<f32>; 3]; 3],
-    /// Unit normals on the front.
-    normal: [Vec<f32>; 3],
-    area: Vec<f32>,
-    radiance: [Vec<f32>; 3],
-    /// 1 where the back emits as well, else 0.
-    two_sided: Vec<f32>,
+    /// [`NUMBERS`] of each: corners, unit normal on the front, radiance, area, 1 where the back emits as well or else 0, and
+    /// [`area::near2`]. Of up to sixteen emitters the first number of each, then the second, and so on; of more than
+    /// that all of the first emitter, then those of the second.
+    numbers: Vec<f32>,
     triangle: Vec<u32>,
-    /// [`area::near2`] of each.
-    near2: Vec<f32>,
     /// Whether any emits differently at different points: radiance is then looked up point by point.
     varied: bool,
+}
+
+/// Numbers of an emitter, and one for nothing.
+const NUMBERS: usize = 20;
+
+/// An emitter for each lane.
+struct Emitter<L: Lanes> {
+    corners: [V3<L::F>; 3],
+    normal: V3<L::F>,
+    radiance: V3<L::F>,
+    area: L::F,
+    two_sided: L::F,
+    near2: L::F,
 }
 
 /// What [`AreaTable::sample`] reads beside the table.
@@ -51,30 +59,54 @@ impl AreaTable {
             let (corners, normal) = (geometry.corners(*triangle), area::normal(geometry, *triangle));
             let middle = [1.0 / 3.0; 3];
             let radiance = emission::radiance(scene, geometry, *triangle, middle, true);
-            for k in 0..3 {
-                for (corner, values) in corners.iter().zip(&mut table.corners) {
-                    values[k].push(corner[k]);
-                }
-                table.normal[k].push(normal[k]);
-                table.radiance[k].push(radiance[k]);
-            }
-            table.near2.push(area::near2(corners));
-            table.area.push(area::of(geometry, *triangle) as f32);
+            let vectors = corners.into_iter().chain([normal, radiance]);
+            table.numbers.extend(vectors.flat_map(|v| v.to_array()));
             let back = emission::radiance(scene, geometry, *triangle, middle, false);
-            table.two_sided.push(f32::from(u8::from(back != Vec3::ZERO)));
+            let area = area::of(geometry, *triangle) as f32;
+            let two_sided = f32::from(u8::from(back != Vec3::ZERO));
+            table.numbers.extend([area, two_sided, area::near2(corners), 0.0, 0.0]);
         }
-        table.pad();
+        if triangles.len() <= LANES {
+            table.transpose();
+        }
         table
     }
 
     /// Up to sixteen are looked up fastest in tables of sixteen.
-    fn pad(&mut self) {
-        let size = self.triangle.len().max(LANES);
-        let rows = self.corners.as_flattened_mut().iter_mut().chain(&mut self.normal).chain(&mut self.radiance);
-        for row in rows.chain([&mut self.area, &mut self.two_sided, &mut self.near2]) {
-            row.resize(size, 0.0);
+    fn transpose(&mut self) {
+        self.numbers.resize(LANES * NUMBERS, 0.0);
+        let number = |k: usize| self.numbers[k % LANES * NUMBERS + k / LANES];
+        self.numbers = (0..LANES * NUMBERS).map(number).collect();
+        self.triangle.resize(LANES, 0);
+    }
+
+    #[inline(always)]
+    fn emitter<L: Lanes>(&self, l: L, emitter: L::U) -> Emitter<L> {
+        let at = emitter * NUMBERS as u32;
+        let [a, b, c, d, e] = match <&[[f32; LANES]; NUMBERS]>::try_from(self.numbers.as_chunks().0) {
+            Ok(rows) => [
+                of_rows(l, rows, 0, emitter),
+                of_rows(l, rows, 4, emitter),
+                of_rows(l, rows, 8, emitter),
+                of_rows(l, rows, 12, emitter),
+                of_rows(l, rows, 16, emitter),
+            ],
+            Err(_) => [
+                l.gather_four(&self.numbers, at),
+                l.gather_four(&self.numbers, at + 4),
+                l.gather_four(&self.numbers, at + 8),
+                l.gather_four(&self.numbers, at + 12),
+                l.gather_four(&self.numbers, at + 16),
+            ],
+        };
+        Emitter {
+            corners: [V3::new(a[0], a[1], a[2]), V3::new(a[3], b[0], b[1]), V3::new(b[2], b[3], c[0])],
+            normal: V3::new(c[1], c[2], c[3]),
+            radiance: V3::new(d[0], d[1], d[2]),
+            area: d[3],
+            two_sided: e[0],
+            near2: e[1],
         }
-        self.triangle.resize(size, 0);
     }
 
     /// As [`area::sample`]. The radiance is zero where nothing is emitted.
@@ -88,8 +120,11 @@ impl AreaTable {
         u: [L::F; 2],
         active: L::M,
     ) -> AreaSamples<L> {
-        let [a, b, c] = self.corners_of(l, emitter);
-        let near = self.near(l, emitter, [a, b, c], point) & active;
+        let Emitter { corners, normal, radiance, area, two_sided, near2 } = self.emitter(l, emitter);
+        let triangle = l.gather_words(&self.triangle, emitter);
+        let [a, b, c] = corners;
+        let middle = (a + b + c) * l.splat(1.0 / 3.0);
+        let near = (middle - point).length_squared().lt(near2) & active;
         let upper = u[1].gt(u[0]);
         let low = L::F::select(upper, u[0], u[1]) * 0.5;
         let high = L::F::select(upper, u[1], u[0]) - low;
@@ -107,39 +142,32 @@ impl AreaTable {
         }
         let [a, b, c] = [a * weights[0], b * weights[1], c * weights[2]];
         let on_light = a + b + c;
-        let normal = l.gather_vector(&self.normal, emitter);
         let to = on_light - point;
         let distance2 = to.length_squared();
         let distance = distance2.sqrt();
         let direction = to / distance;
         let cosine = -direction.dot(normal);
         let front = cosine.gt(l.splat(0.0));
-        let back = cosine.lt(l.splat(0.0)) & l.gather(&self.two_sided, emitter).gt(l.splat(0.0));
-        let triangle = l.gather_words(&self.triangle, emitter);
+        let back = cosine.lt(l.splat(0.0)) & two_sided.gt(l.splat(0.0));
         let radiance = if self.varied {
             let usable = active & !cosine.eq(l.splat(0.0)) & direction.is_finite();
             let weights = [weights[0].array(), weights[1].array(), weights[2].array()];
             l.load_vector(&emission.radiance(usable.bits(), front.bits(), &triangle.array(), &weights))
         } else {
-            l.gather_vector(&self.radiance, emitter).only((front | back) & direction.is_finite())
+            radiance.only((front | back) & direction.is_finite())
         };
-        let area_pdf = distance2 / (cosine.abs() * l.gather(&self.area, emitter));
+        let area_pdf = distance2 / (cosine.abs() * area);
         let pdf = L::F::select(spherical.gt(l.splat(0.0)), spherical, area_pdf);
         let error = (a.abs() + b.abs() + c.abs()) * l.splat(gamma(7));
         AreaSamples { direction, radiance, pdf, point: on_light, error, normal, triangle }
     }
+}
 
-    #[inline(always)]
-    fn corners_of<L: Lanes>(&self, l: L, emitter: L::U) -> [V3<L::F>; 3] {
-        let [a, b, c] = &self.corners;
-        [l.gather_vector(a, emitter), l.gather_vector(b, emitter), l.gather_vector(c, emitter)]
-    }
-
-    #[inline(always)]
-    fn near<L: Lanes>(&self, l: L, emitter: L::U, [a, b, c]: [V3<L::F>; 3], point: V3<L::F>) -> L::M {
-        let middle = (a + b + c) * l.splat(1.0 / 3.0);
-        (middle - point).length_squared().lt(l.gather(&self.near2, emitter))
-    }
+/// Four numbers of each lane's emitter, of tables of sixteen.
+#[inline(always)]
+fn of_rows<L: Lanes>(l: L, rows: &[[f32; LANES]; NUMBERS], first: usize, emitter: L::U) -> [L::F; 4] {
+    let [a, b, c, d] = [&rows[first], &rows[first + 1], &rows[first + 2], &rows[first + 3]];
+    [l.gather(a, emitter), l.gather(b, emitter), l.gather(c, emitter), l.gather(d, emitter)]
 }
 
 impl Emission<'_> {

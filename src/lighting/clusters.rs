@@ -44,6 +44,8 @@ pub(super) struct Clusters {
     pub fold: Vec<f32>,
     /// Power over the integral of max(cosine + spread, 0): intensity along the axis.
     pub strength: Vec<f32>,
+    /// All of these side by side, [`PACKED`] numbers a slot, for those who look at one slot here and one there.
+    pub packed: Vec<f32>,
     /// A node, or [`EMITTER`] and the emitter.
     pub link: Vec<u32>,
     /// The node that each slot belongs to.
@@ -56,6 +58,8 @@ pub(super) struct Clusters {
     pub slot_of_emitter: Vec<u32>,
 }
 
+/// Numbers of a slot in [`Clusters::packed`]: middle, radius, axis, spread, fold, strength, and nothing twice.
+pub(super) const PACKED: u32 = 12;
 /// Marks a link to an emitter.
 pub(super) const EMITTER: u32 = 1 << 31;
 /// The least square of a distance: what is nearer counts as this near, and nothing overflows.
@@ -104,10 +108,16 @@ impl Clusters {
         }
         let radius = 0.5 * (bounds.hi - bounds.lo).length();
         // Room for the rounding of places, which lie in a frame of size 1.
-        self.radius.push(if radius > 0.0 { radius * 1.0001 + 1e-7 } else { 0.0 });
-        self.spread.push(spread * SHORT);
-        self.fold.push(if bounds.two_sided { -1.0 } else { 1.0 });
-        self.strength.push(bounds.power / integral);
+        let radius = if radius > 0.0 { radius * 1.0001 + 1e-7 } else { 0.0 };
+        let (spread, fold, strength) =
+            (spread * SHORT, if bounds.two_sided { -1.0 } else { 1.0 }, bounds.power / integral);
+        self.radius.push(radius);
+        self.spread.push(spread);
+        self.fold.push(fold);
+        self.strength.push(strength);
+        let ([x, y, z], [u, v, w]) = (center.to_array(), axis.to_array());
+        let packed: [f32; PACKED as usize] = [x, y, z, radius, u, v, w, spread, fold, strength, 0.0, 0.0];
+        self.packed.extend(packed);
     }
 
     /// Whether there is nothing to choose.

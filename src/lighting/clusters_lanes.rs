@@ -1,6 +1,6 @@
 //! [`Clusters`] for sixteen receivers at a time. The same estimates, sums and choices as for one.
 
-use super::clusters::{BELOW_ONE, Clusters, EMITTER, LEAST_DISTANCE2};
+use super::clusters::{BELOW_ONE, Clusters, EMITTER, LEAST_DISTANCE2, PACKED};
 use super::tree::ROOT;
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
 
@@ -59,14 +59,11 @@ impl Clusters {
 
     #[inline(always)]
     fn gather<L: Lanes>(&self, l: L, slot: L::U) -> Slot<L::F> {
-        Slot {
-            center: l.gather_vector(&self.center, slot),
-            radius: l.gather(&self.radius, slot),
-            axis: l.gather_vector(&self.axis, slot),
-            spread: l.gather(&self.spread, slot),
-            fold: l.gather(&self.fold, slot),
-            strength: l.gather(&self.strength, slot),
-        }
+        let at = slot * PACKED;
+        let [x, y, z, radius] = l.gather_four(&self.packed, at);
+        let [u, v, w, spread] = l.gather_four(&self.packed, at + 4);
+        let [fold, strength, ..] = l.gather_four(&self.packed, at + 8);
+        Slot { center: V3::new(x, y, z), radius, axis: V3::new(u, v, w), spread, fold, strength }
     }
 
     /// Running sums over the root's children; those of `active` lanes count.
