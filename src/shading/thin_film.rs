@@ -2,7 +2,7 @@
 //! Modeling of Varying Iridescence", as KHR_materials_iridescence lays it down.
 
 use super::fresnel::{dielectric_f0, schlick_weight};
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// A film of a dielectric on a base, in air.
@@ -47,12 +47,10 @@ impl ThinFilm {
         let both = (inner * outer).clamp(Vec3::splat(1e-5), Vec3::splat(0.9999));
         let series = inner * (through * through) / (Vec3::ONE - both);
         // The mean over all wavelengths, and the first two orders of interference.
-        let mut sum = series + outer;
-        let mut order = series - through;
-        for m in [1.0, 2.0] {
-            order *= both.map(f32::sqrt);
-            sum += order * sensitivity(m * path, phase * m) * 2.0;
-        }
+        let [first, second] = sensitivities(path, phase);
+        let root = both.map(f32::sqrt);
+        let order = (series - through) * root;
+        let sum = series + outer + order * first * 2.0 + order * root * second * 2.0;
         sum.clamp(Vec3::ZERO, Vec3::ONE)
     }
 }
@@ -61,19 +59,22 @@ fn schlick(f0: Vec3, cos: f32) -> Vec3 {
     f0 + (Vec3::ONE - f0) * schlick_weight(cos)
 }
 
-/// The eye's response to a cosine over wave numbers: the Fourier transform of the colour matching functions, fitted by
-/// Gaussians (section 4.2 of the paper). The path is in nanometres.
-fn sensitivity(path: f32, shift: Vec3) -> Vec3 {
+/// The eye's response to a cosine over wave numbers, and to one of twice the frequency and shift: the Fourier transform of the
+/// colour matching functions, fitted by Gaussians (section 4.2 of the paper). The path is in nanometres.
+fn sensitivities(path: f32, shift: Vec3) -> [Vec3; 2] {
     let phase = TAU * path * 1e-9;
     // Height, position and variance; X has a second lobe.
     let lobe = |value: f32, position: f32, variance: f32, shift: f32| {
-        let width = (TAU * variance).sqrt();
-        value * width * libm::cosf(position * phase + shift) * libm::expf(-phase * phase * variance)
+        let height = value * (TAU * variance).sqrt();
+        let (cos, fade) = (libm::cosf(position * phase + shift), libm::expf(-phase * phase * variance));
+        // cos 2θ, and the Gaussian twice as far out.
+        let (square, twice) = (fade * fade, 2.0 * cos * cos - 1.0);
+        Vec2::new(height * cos * fade, height * twice * square * square)
     };
     let x = lobe(5.4856e-13, 1.6810e6, 4.3278e9, shift.x) + lobe(9.7470e-14, 2.2399e6, 4.5282e9, shift.x);
     let y = lobe(4.4201e-13, 1.7953e6, 9.3046e9, shift.y);
     let z = lobe(5.2481e-13, 2.2084e6, 6.6121e9, shift.z);
-    XYZ_TO_REC709 * (Vec3::new(x, y, z) / 1.0685e-7)
+    [Vec3::new(x.x, y.x, z.x), Vec3::new(x.y, y.y, z.y)].map(|xyz| XYZ_TO_REC709 * (xyz / 1.0685e-7))
 }
 
 #[cfg(test)]
@@ -86,6 +87,15 @@ mod tests {
             let film = ThinFilm { ior: 1.8, thickness: 0.0, base_f0: Vec3::splat(f0) };
             // Two orders of interference leave 0.03; oblique, Schlick's form has the film reflect where its index is the air's.
             assert!((film.at(1.0) - f0).abs().max_element() < 0.04, "F0 {f0}: {}", film.at(1.0));
+        }
+    }
+
+    #[test]
+    fn the_second_order_is_the_first_of_twice_the_path_and_shift() {
+        for k in 0..200u32 {
+            let (path, shift) = (k as f32 * 11.0, Vec3::new(0.0, 3.1, k as f32 * 0.05));
+            let (second, own) = (sensitivities(path, shift)[1], sensitivities(2.0 * path, shift * 2.0)[0]);
+            assert!((second - own).abs().max_element() < 1e-5, "path {path}: {second} {own}");
         }
     }
 
