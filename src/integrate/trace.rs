@@ -35,9 +35,9 @@ pub(super) fn stops(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec
     !prepared.questions.asks(hit.triangle, asker.eye) || covers(prepared, asker, hit, dir)
 }
 
-/// [`stops`] for surfaces that may not.
+/// [`stops`] for triangles that have to be asked.
 #[inline(never)]
-fn covers(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
+pub(super) fn covers(prepared: &PreparedScene, asker: &Asker, hit: &Hit, dir: Vec3) -> bool {
     let (scene, geometry) = (&prepared.scene, &prepared.geometry);
     // Most triangles of cut-outs are whole or open all over.
     let known = geometry.known_coverage(hit.triangle).filter(|_| prepared.asks.covers);

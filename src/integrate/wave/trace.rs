@@ -1,7 +1,7 @@
 //! The rays of a wavefront.
 
 use super::{Memory, Wave, hit, path, shadow};
-use crate::integrate::trace::{Asker, stops};
+use crate::integrate::trace::{Asker, covers};
 use crate::prepare::kdtree::{Coherence, HitBatch, NO_TRIANGLE, RayBatch};
 
 impl Wave<'_> {
@@ -22,8 +22,11 @@ impl Wave<'_> {
         if prepared.asks.covers || (eye && prepared.asks.culls) {
             let slot = paths.words(path::SLOT);
             prepared.tree.closest_batch_where(&rays, coherence, &mut found, |i, hit| {
+                if !prepared.questions.asks(hit.triangle, eye) {
+                    return true;
+                }
                 let sampler = slots[slot[i] as usize].sampler;
-                stops(prepared, &Asker { sampler, vertex: depth, draw: 0, eye }, hit, paths.vector(path::DIR, i))
+                covers(prepared, &Asker { sampler, vertex: depth, draw: 0, eye }, hit, paths.vector(path::DIR, i))
             });
         } else {
             prepared.tree.closest_batch(&rays, coherence, &mut found);
@@ -55,9 +58,12 @@ impl Wave<'_> {
         if prepared.asks.covers {
             let draw = shadows.words(shadow::DRAW);
             prepared.tree.occluded_batch_where(&rays, coherence, blocked, |i, hit| {
+                if !prepared.questions.asks(hit.triangle, false) {
+                    return true;
+                }
                 let sampler = slots[slot[i] as usize].sampler;
                 let asker = Asker { sampler, vertex: depth + 1, draw: draw[i], eye: false };
-                stops(prepared, &asker, hit, shadows.vector(shadow::DIR, i))
+                covers(prepared, &asker, hit, shadows.vector(shadow::DIR, i))
             });
         } else {
             prepared.tree.occluded_batch(&rays, coherence, blocked);
