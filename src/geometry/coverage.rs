@@ -1,6 +1,6 @@
 use super::Geometry;
+use super::attributes::{uv_at, vertex_alpha};
 use super::textures::scalar;
-use super::triangles::{uv_at, vertex_alpha};
 use kiln_formats::Scene;
 use kiln_formats::scene::AlphaMode;
 

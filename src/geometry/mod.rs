@@ -1,5 +1,6 @@
 //! Surfaces in the rays' frame, and what their materials and textures say at a point.
 
+mod attributes;
 mod coverage;
 mod cutouts;
 pub mod emission;
@@ -15,6 +16,7 @@ mod textures_lanes;
 mod triangles;
 mod world;
 
+pub use attributes::{Attributes, Texturing};
 pub use coverage::coverage;
 pub use cutouts::bleed;
 pub use parts::Part;
@@ -22,5 +24,5 @@ pub use pyramid::Pyramids;
 pub use records::Record;
 pub use shapes::{Shape, Sharing};
 pub use textures_lanes::TexturesLanes;
-pub use triangles::{Attributes, Geometry, Texturing};
+pub use triangles::Geometry;
 pub use world::{WorldFrame, world_bounds};

@@ -16,6 +16,7 @@ mod avx512;
 pub mod functions;
 mod operators;
 mod plain;
+pub mod prefetch;
 mod vector;
 
 #[cfg(test)]
@@ -244,12 +245,6 @@ pub trait Lanes: Copy + Debug + Send + Sync + 'static {
     /// The four numbers in a row from each of these places on; places with fewer than four to come read the last four, and a
     /// slice of less than four reads zeros. Faster than one number after the other.
     fn gather_four(self, from: &[f32], at: Self::U) -> [Self::F; 4];
-
-    /// [`Self::gather`] from three rows.
-    #[inline(always)]
-    fn gather_vector(self, from: &[Vec<f32>; 3], at: Self::U) -> V3<Self::F> {
-        V3::new(self.gather(&from[0], at), self.gather(&from[1], at), self.gather(&from[2], at))
-    }
 
     /// The same vector in every lane.
     #[inline(always)]

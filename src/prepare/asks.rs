@@ -18,6 +18,8 @@ pub(crate) struct Asks {
     pub tints: bool,
     /// Whether anything is read from an image.
     pub textured: bool,
+    /// Whether shading asks the vertices of any triangle for normals, coordinates or colours.
+    pub vertices: bool,
     /// Whether coverage is asked of every material.
     every_cover: bool,
 }
@@ -32,7 +34,9 @@ impl Asks {
         // It decides whether lanes can follow shadow rays, and so how numbers are rounded: never forced.
         let tints = know.own(called).has(Effect::TintedShadows);
         let every_cover = know.forced.has_any(&[Effect::AlphaCutouts, Effect::AlphaBlending]);
-        Self { covers, culls, tints, textured: asked.has(Effect::Textures), every_cover }
+        let textured = asked.has(Effect::Textures);
+        let of_vertices = [Effect::SmoothNormals, Effect::NormalMaps, Effect::VertexColors];
+        Self { covers, culls, tints, textured, vertices: textured || asked.has_any(&of_vertices), every_cover }
     }
 
     /// What a traversal has to ask about a material's triangles.

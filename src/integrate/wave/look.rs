@@ -44,9 +44,9 @@ fn references<'a>(material: &'a Material, m: &'a MetalRough) -> [Option<&'a Text
 }
 
 impl<L: Lanes> Look<L> {
-    /// Of the materials that were fetched, where `active`.
+    /// Of the materials that were fetched, where `active`; textures and colours only where `textured`.
     #[inline(always)]
-    pub fn new(l: L, prepared: &PreparedScene, fetch: &Fetch, width: L::F, active: L::M) -> Self {
+    pub fn new(l: L, prepared: &PreparedScene, fetch: &Fetch, width: L::F, active: L::M, textured: L::M) -> Self {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let mut look = Self {
             params: MetalRoughLanes {
@@ -62,7 +62,7 @@ impl<L: Lanes> Look<L> {
             mapped: l.mask(0),
             bends: l.mask(0),
         };
-        let textures = fetch.textures(l, prepared, width);
+        let textures = if textured.any() { Some(fetch.textures(l, prepared, width)) } else { None };
         let ids = l.load_words(&fetch.material);
         let mut left = active.bits();
         // Neighbours mostly have one material: each of those there are, once.
@@ -72,20 +72,22 @@ impl<L: Lanes> Look<L> {
             left &= !here.bits();
             let material = &prepared.scene.materials[id as usize];
             if let Surface::MetalRough(m) = &material.surface {
-                look.take(l, material, m, &textures, here);
+                look.take(l, material, m, textures.as_ref(), here);
             }
         }
-        look.params.base_color = look.params.base_color.times(fetch.color(l));
+        if textures.is_some() {
+            look.params.base_color = look.params.base_color.times(fetch.color(l, textured));
+        }
         look
     }
 
     /// Takes what one material says, where `here`.
     #[inline(always)]
-    fn take(&mut self, l: L, material: &Material, m: &MetalRough, textures: &TexturesLanes<L>, here: L::M) {
+    fn take(&mut self, l: L, material: &Material, m: &MetalRough, textures: Option<&TexturesLanes<L>>, here: L::M) {
         let references = references(material, m);
         let mut texels = [[l.splat(1.0); 4]; INPUTS];
         for k in 0..INPUTS {
-            let Some(reference) = references[k] else { continue };
+            let (Some(reference), Some(textures)) = (references[k], textures) else { continue };
             // Metalness and roughness mostly are channels of one texture.
             texels[k] = match (0..k).find(|other| references[*other] == references[k]) {
                 Some(other) => texels[other],

@@ -109,7 +109,9 @@ impl Wave<'_> {
             surface.turn(surface.normal, dir);
             return (surface, RoughLanes::lambert(albedo));
         }
-        let look = if sorted.rough != 0 { Some(Look::new(l, self.course.prepared, fetch, width, rough)) } else { None };
+        let textured = l.mask(sorted.textured);
+        let look =
+            if rough.any() { Some(Look::new(l, self.course.prepared, fetch, width, rough, textured)) } else { None };
         let mut bends = glass;
         if let Some(look) = &look {
             if look.mapped.any() {

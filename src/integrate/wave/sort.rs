@@ -18,9 +18,11 @@ pub(super) struct Sorted {
     pub lanes: u32,
     /// Those among them whose triangles have normals at their corners.
     pub smooth: u32,
-    /// Those among them whose lobes are still to be found.
+    /// Those among the first whose lobes are still to be found.
     pub rough: u32,
-    /// Those among them that are smooth glass.
+    /// Those among these that have textures or colours.
+    pub textured: u32,
+    /// Those among the first that are smooth glass.
     pub glass: u32,
     /// They have been visited, and go on.
     pub visited: u32,
@@ -40,12 +42,23 @@ impl Wave<'_> {
         let course = self.course;
         let prepared = course.prepared;
         let lanes_can = course.lanes_can();
-        let mut sorted = Sorted { lanes: 0, smooth: 0, rough: 0, glass: 0, visited: 0 };
+        let mut sorted = Sorted { lanes: 0, smooth: 0, rough: 0, textured: 0, glass: 0, visited: 0 };
         // In a loop of its own, so that what is not in the cache comes for all of them at once.
         let mut parts = [0; LANES];
         for (part, triangle) in parts.iter_mut().zip(&self.memory.hits.words(hit::TRIANGLE)[at..at + count]) {
             if *triangle != NO_TRIANGLE {
                 *part = prepared.geometry.part_index(*triangle);
+            }
+        }
+        if prepared.asks.vertices {
+            for (part, triangle) in parts.iter().zip(&self.memory.hits.words(hit::TRIANGLE)[at..at + count]) {
+                if *triangle == NO_TRIANGLE {
+                    continue;
+                }
+                let part = &prepared.ways[*part as usize];
+                if part.smooth || part.textured {
+                    prepared.geometry.expect(&prepared.scene, *triangle, part.smooth, part.textured, part.mapped);
+                }
             }
         }
         for (lane, part) in parts.into_iter().enumerate().take(count) {
@@ -94,8 +107,7 @@ impl Wave<'_> {
                         let Hit { b1, b2, .. } = self.hit(i);
                         let b = [1.0 - b1 - b2, b1, b2];
                         fetch.put_look(lane, &geometry.texturing(&prepared.scene, triangle, b, part.mapped));
-                    } else {
-                        fetch.put_plain_look(lane);
+                        sorted.textured |= 1 << lane;
                     }
                     fetch.material[lane] = geometry.material(&prepared.scene, triangle);
                     sorted.rough |= 1 << lane;

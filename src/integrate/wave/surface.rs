@@ -170,15 +170,6 @@ impl Fetch {
         self.look.0[12][lane] = handedness;
     }
 
-    /// The look of a surface that has neither textures nor colours.
-    #[inline]
-    pub fn put_plain_look(&mut self, lane: usize) {
-        for row in &mut self.look.0 {
-            row[lane] = 0.0;
-        }
-        self.look.put(6, lane, Vec3::ONE);
-    }
-
     /// The surfaces at hits with the weights `b1` and `b2`, seen along `dir`: flat ones, and where `smooth` those with normals at
     /// their corners. Gives the unit normals on their fronts, too.
     #[inline(always)]
@@ -210,10 +201,10 @@ impl Fetch {
         self.albedo.vector(l, 0)
     }
 
-    /// Colour factors.
+    /// Colour factors, where surfaces have textures or colours.
     #[inline(always)]
-    pub fn color<L: Lanes>(&self, l: L) -> V3<L::F> {
-        self.look.vector(l, 6)
+    pub fn color<L: Lanes>(&self, l: L, textured: L::M) -> V3<L::F> {
+        V3::select(textured, self.look.vector(l, 6), V3::splat(l.splat(1.0)))
     }
 
     /// Tangents, and their handedness, 0 where there are none.

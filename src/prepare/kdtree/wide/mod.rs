@@ -15,7 +15,6 @@ pub mod node;
 pub mod packet;
 mod packet_exact;
 mod packet_lanes;
-mod prefetch;
 pub mod scalar;
 pub mod stack;
 pub mod stream;
@@ -26,6 +25,7 @@ pub mod validate;
 
 use super::batch::RayBatch;
 use super::leaves::LeafStore;
+use crate::lanes::prefetch;
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
 use kernel::Job;
