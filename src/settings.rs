@@ -212,10 +212,10 @@ impl RenderSettings {
         self.reuse == Reuse::On && self.integrator == Integrator::Path
     }
 
-    /// Which pixels get more samples than others. None do where pixels use each other's paths: which of them are there to be used at
+    /// Which pixels get more samples than others. None do where pixels use each other's paths (`shares`): which of them are there to be used at
     /// a sample would depend on how a film is cut into passes, and a film must not.
-    pub fn allotted(&self) -> Adaptive {
-        if self.shares() { Adaptive::Off } else { self.adaptive }
+    pub fn allotted(&self, shares: bool) -> Adaptive {
+        if shares { Adaptive::Off } else { self.adaptive }
     }
 }
 

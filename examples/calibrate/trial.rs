@@ -1,4 +1,4 @@
-use kiln::accuracy::{Accuracy, CONFIDENCE, Display, Progressive, comes_as_specks};
+use kiln::accuracy::{Accuracy, CONFIDENCE, Display, Progressive};
 use kiln::batch::Ready;
 use kiln::film::Film;
 use kiln::integrate::View;
@@ -53,13 +53,14 @@ fn render(
     let goal = Goal { error: Some(1e-9), time: None };
     let mut progressive = Progressive::new(scene, view, settings, &goal, display);
     let mut looks: Vec<Look> = Vec::new();
-    let never: &[f64] = &[];
-    let mut targets = if comes_as_specks(scene) { never.iter() } else { TARGETS.iter() }.peekable();
+    let mut targets = TARGETS.iter().peekable();
+    // As `--error` would, a picture with specks takes more samples before a bound counts.
+    let least = progressive.least_samples();
     loop {
         let ended = progressive.step(&Control::default())?;
         let (film, Some(judged)) = (progressive.film(), progressive.accuracy()) else { return Ok(None) };
         let mut look = |way: String, stated| looks.push(Look { way, spp: film.spp, stated, means: means(film) });
-        while let Some(target) = targets.next_if(|t| judged.error_bound <= **t) {
+        while let Some(target) = targets.next_if(|t| film.spp >= least && judged.error_bound <= **t) {
             look(format!("error {target}"), judged);
         }
         if FIXED.contains(&film.spp) {

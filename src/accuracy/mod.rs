@@ -24,7 +24,7 @@ pub use bound::Spread;
 pub use displayed::Display;
 pub use progressive::{Ended, Finished, Progressive};
 pub use schedule::Schedule;
-pub use specks::comes_as_specks;
+use specks::comes_as_specks;
 
 use crate::film::Film;
 use crate::prepare::PreparedScene;

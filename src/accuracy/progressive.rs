@@ -1,9 +1,10 @@
-use super::{Accuracy, Allotment, Display, Schedule, Spreads, comes_as_specks};
+use super::schedule::FIRST_LOOK;
+use super::{Accuracy, Allotment, Display, Schedule, Spreads, comes_as_specks, specks::ENOUGH_WITH_SPECKS};
 use crate::film::Film;
-use crate::integrate::{PassTally, View, render_until};
+use crate::integrate::{PassTally, View, render_until, shares_paths};
 use crate::prepare::PreparedScene;
 use crate::sampling::REPLICATES;
-use crate::settings::{Goal, RenderSettings};
+use crate::settings::{Goal, Integrator, RenderSettings};
 use kiln_formats::{Control, Stopped};
 use std::time::{Duration, Instant};
 
@@ -66,7 +67,7 @@ impl<'a> Progressive<'a> {
             goal,
             display,
             schedule: Schedule::new(goal, settings.spp),
-            allotment: Allotment::new(settings.allotted(), display),
+            allotment: Allotment::new(settings.allotted(shares_paths(scene, settings)), display),
             film: Film::new(view.width, view.height, view.show_environment),
             tally: PassTally::default(),
             looks: 0,
@@ -132,7 +133,18 @@ impl<'a> Progressive<'a> {
     /// The error of the film as it is.
     pub fn accuracy(&self) -> Option<Accuracy> {
         // Without an error asked for nobody looks.
-        Some(Spreads::of(&self.film, &self.display)?.accuracy_at_look(self.looks).of_scene(self.scene))
+        let accuracy = Spreads::of(&self.film, &self.display)?.accuracy_at_look(self.looks);
+        Some(if self.specks() { accuracy.of_scene(self.scene) } else { accuracy })
+    }
+
+    /// Samples per pixel before which no bound ends the render.
+    pub fn least_samples(&self) -> u32 {
+        if self.specks() { ENOUGH_WITH_SPECKS } else { FIRST_LOOK }
+    }
+
+    /// Whether light comes as specks, which make bounds uncertain.
+    fn specks(&self) -> bool {
+        self.settings.integrator != Integrator::Whitted && comes_as_specks(self.scene)
     }
 
     /// The film with its error.
@@ -153,12 +165,12 @@ impl<'a> Progressive<'a> {
     fn look(&mut self) -> bool {
         let Some(target) = self.goal.error else { return false };
         self.accuracy = None;
-        if self.film.spp < super::schedule::FIRST_LOOK || !self.film.spp.is_multiple_of(REPLICATES) {
+        if self.film.spp < FIRST_LOOK || !self.film.spp.is_multiple_of(REPLICATES) {
             return false;
         }
         self.looks += 1;
         self.accuracy = self.accuracy();
-        !comes_as_specks(self.scene) && self.accuracy.is_some_and(|a| a.error_bound <= target)
+        self.film.spp >= self.least_samples() && self.accuracy.is_some_and(|a| a.error_bound <= target)
     }
 
     /// Tells the progress how many camera paths there will be, as far as one can know.
@@ -166,7 +178,9 @@ impl<'a> Progressive<'a> {
         let spp = f64::from(self.film.spp);
         let foretold = match (self.goal.error, self.accuracy) {
             // The error falls with the root of the samples, or faster.
-            (Some(target), Some(a)) => spp * (a.error_bound / target) * (a.error_bound / target),
+            (Some(target), Some(a)) => {
+                (spp * (a.error_bound / target) * (a.error_bound / target)).max(f64::from(self.least_samples()))
+            }
             _ => f64::from(self.settings.spp),
         };
         let taken = self.film.samples() as f64;

@@ -4,10 +4,12 @@ use crate::prepare::PreparedScene;
 const ROUGHNESS: f64 = 0.2;
 /// The least and the most that bounds are moved away.
 const LIMITS: (f64, f64) = (2.0, 4.0);
+/// Samples per pixel from which on a bound may end a picture of a scene with specks: before, those with the smallest errors by their own
+/// account are those that have met none.
+pub const ENOUGH_WITH_SPECKS: u32 = 256;
 
-/// Whether some of a scene's light comes as rare, bright samples. No bound ends a picture of such a scene: those with the smallest
-/// errors by their own account are those that have met none.
-pub fn comes_as_specks(scene: &PreparedScene) -> bool {
+/// Whether some of a scene's light comes as rare, bright samples.
+pub(super) fn comes_as_specks(scene: &PreparedScene) -> bool {
     factor(scene) > 1.0
 }
 

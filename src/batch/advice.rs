@@ -125,6 +125,11 @@ pub const ALL: &[Advice] = &[
         "A part of the asset has nothing that can be drawn",
         "nothing, unless the picture lacks something",
     ),
+    advice(
+        "nothing-to-reuse",
+        "`--reuse on` does nothing for this asset",
+        "leave it off; `docs/path-reuse.md` says what it is for",
+    ),
     advice("occlusion-ignored", "Occlusion textures are not used: light transport knows what is occluded", "nothing"),
     advice("out-of-range", "A value of a material is beyond its bounds and was limited", "mend the value"),
     advice(
@@ -155,7 +160,7 @@ pub const ALL: &[Advice] = &[
     advice(
         "unsampled-caustics",
         "Light without extent shines on a smooth mirror or through a smooth body: what these cast is missing or comes as specks, and the stated error hardly knows of it",
-        "a lamp with a surface, or `--env`, instead; rougher glass; `--clamp` against specks",
+        "a lamp with a surface, or `--env`, instead; a rougher surface; `--clamp` against specks",
     ),
     advice("unsupported-element", "An element is not drawn", "make polygons of it"),
     advice(

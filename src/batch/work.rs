@@ -6,7 +6,7 @@ use super::failure::{Failure, guarded};
 use super::read::{Read, note, read};
 use super::stages::StageClock;
 use super::{Job, Outcome, SceneFacts, Stage, digest, exposure};
-use crate::integrate::{PassTally, View};
+use crate::integrate::{PassTally, View, shares_paths};
 use crate::prepare::{EnvironmentSource, PreparedScene, RareLight, prepare};
 use crate::settings::{CameraChoice, EnvironmentSettings, Exposure, Integrator, PictureFormat, PrepareSettings};
 use kiln_formats::{Control, ErrorCode, Format, Scene, Warning};
@@ -118,6 +118,10 @@ impl Work<'_> {
         if self.job.settings.render.integrator != Integrator::Whitted {
             self.outcome.warnings.extend(prepared.rare_light.as_ref().map(hardly_found));
         }
+        if self.job.settings.render.shares() && !shares_paths(&prepared, &self.job.settings.render) {
+            let message = "pixels do not use each other's paths: no surface that lanes can shade is diffuse and nothing else, or the strategy, the sampler or light that shines through glass does not allow it";
+            self.outcome.warnings.push(Warning::new("nothing-to-reuse", "", message));
+        }
         let by_helpers = self.control.helpers_cpu().saturating_sub(helped).as_secs_f64();
         let tree = prepared.times;
         self.outcome.seconds.kdtree = tree.kdtree;
@@ -181,7 +185,7 @@ impl Work<'_> {
 
 fn hardly_found(rare: &RareLight) -> Warning {
     let what = if rare.roughness > 0.0 {
-        "hardly found by paths: it comes as specks, so the bound of the error is stated further away, and `--error` ends no picture early"
+        "hardly found by paths: it comes as specks, so the bound of the error is stated further away, and `--error` takes 256 samples or more"
     } else {
         "not found by paths: it is missing, and the stated error does not know of it"
     };

@@ -45,6 +45,7 @@ pub use surfaces::surfaces;
 use tile::Tile;
 pub use tile::{Aim, PassTally};
 use walk::Course;
+pub use walk::shares_paths;
 
 /// What a picture shows.
 #[derive(Clone, Debug, PartialEq)]

@@ -76,16 +76,14 @@ impl<'a> Course<'a> {
         Self { prepared, settings, reach: reach(settings.strategy), show_environment: view.show_environment }
     }
 
-    /// Whether lanes have the random numbers and the strategy, and no light shines through bodies.
+    /// See [`lanes_can`].
     pub fn lanes_can(&self) -> bool {
-        let sampler = matches!(self.settings.sampler, SamplerKind::Sobol | SamplerKind::Pcg);
-        let strategy = matches!(self.settings.strategy, Strategy::Bsdf | Strategy::Light | Strategy::Mis);
-        sampler && strategy && !self.prepared.asks.tints
+        lanes_can(self.prepared, self.settings)
     }
 
-    /// Whether pixels use each other's paths: lanes do it or nobody.
+    /// See [`shares_paths`].
     pub fn shares(&self) -> bool {
-        self.settings.shares() && self.lanes_can()
+        shares_paths(self.prepared, self.settings)
     }
 
     /// Adds the light that a path gathers at the end of its ray, which has hit something or nothing, and sends it on from
@@ -226,4 +224,17 @@ fn direction(
     }?;
     let (wi, outgoing) = vertex.world_of(sample.wi)?;
     Some((wi, outgoing, sample))
+}
+
+/// Whether lanes have the random numbers and the strategy, and no light shines through bodies.
+fn lanes_can(prepared: &PreparedScene, settings: &RenderSettings) -> bool {
+    let sampler = matches!(settings.sampler, SamplerKind::Sobol | SamplerKind::Pcg);
+    let strategy = matches!(settings.strategy, Strategy::Bsdf | Strategy::Light | Strategy::Mis);
+    sampler && strategy && !prepared.asks.tints
+}
+
+/// Whether pixels use each other's paths: where that is asked for, lanes can do it, and there is a surface that sends the same light to
+/// all who see it.
+pub fn shares_paths(prepared: &PreparedScene, settings: &RenderSettings) -> bool {
+    settings.shares() && lanes_can(prepared, settings) && prepared.has_diffuse
 }

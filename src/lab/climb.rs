@@ -63,7 +63,10 @@ impl Bench<'_> {
         }
         let view = &run.ready.views[0];
         let mut film = Film::new(view.width, view.height, view.show_environment);
-        let mut allotment = Allotment::new(run.settings.render.allotted(), *run.display);
+        let mut allotment = Allotment::new(
+            run.settings.render.allotted(shares_paths(&run.ready.scene, &run.settings.render)),
+            *run.display,
+        );
         let (mut tally, clock, mut asleep) = (PassTally::default(), Instant::now(), 0.0);
         let mut next = ladder.first().copied();
         while let Some(spp) = next {

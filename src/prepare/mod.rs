@@ -76,6 +76,8 @@ pub struct PreparedScene {
     pub(crate) filters: Vec<Filters>,
     /// What has to be asked at hits.
     pub(crate) asks: Asks,
+    /// Whether there is a surface that is diffuse and nothing else.
+    pub(crate) has_diffuse: bool,
     /// For each part of the geometry, how it is shaded.
     pub(crate) ways: Vec<PartWay>,
     /// Which triangles it has to be asked of.
@@ -181,6 +183,7 @@ pub(crate) fn prepare_knowing(
         times,
         asks,
         questions: Questions::new(&geometry, &ways),
+        has_diffuse: parts::has_diffuse(&scene),
         ways,
         lanes: AnyLanes::new(tier(settings.simd)),
         scene,

@@ -136,6 +136,18 @@ fn way(material: &Material, called: EffectSet, know: Knowledge) -> Way {
     }
 }
 
+/// Whether a mesh that is drawn is diffuse and nothing else, and can be shaded in lanes.
+pub(crate) fn has_diffuse(scene: &Scene) -> bool {
+    scene.instances.iter().any(|instance| {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let (surface, called) = (&scene.materials[mesh.material as usize].surface, of_mesh(scene, mesh));
+        let lanes = matches!(surface, Surface::MetalRough(m) if m.volume.is_none());
+        lanes
+            && called.but(in_lanes()).is_empty()
+            && !called.has_any(&[Effect::Specular, Effect::Metal, Effect::Transmission])
+    })
+}
+
 /// Whether a material spreads light by wavelength.
 fn disperses(material: &Material) -> bool {
     matches!(&material.surface, Surface::MetalRough(m) if m.volume.is_some() && m.dispersion > 0.0)

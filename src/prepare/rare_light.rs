@@ -9,6 +9,8 @@ use std::fmt;
 const SMOOTH: f32 = 0.25;
 /// The share of light that has to pass, or of metal, to be worth a word.
 const LEAST: f32 = 0.1;
+/// Surfaces that are smoother are perfectly smooth for the renderer: `shading::metal_rough::SMALLEST_ALPHA`.
+const PERFECT: f32 = 0.032;
 
 /// Light from where no path can end by chance, bent or mirrored by a surface that is smooth or nearly so: highlights smaller than a
 /// pixel, and caustics.
@@ -81,7 +83,10 @@ fn sends(material: &Material, through_glass: bool) -> Option<Way> {
             let through = m.volume.is_some() && most(&m.transmission) >= LEAST;
             let metal = most(&m.metallic) >= LEAST && m.metallic.texture.is_none() && m.roughness.texture.is_none();
             let smooth = most(&m.roughness) <= SMOOTH;
-            (smooth && (through || metal)).then(|| Way { through, roughness: most(&m.roughness).max(0.0) })
+            (smooth && (through || metal)).then(|| Way {
+                through,
+                roughness: if most(&m.roughness) < PERFECT { 0.0 } else { most(&m.roughness) },
+            })
         }
         Surface::Phong(p) => {
             let through = !through_glass && p.transmission.factor.iter().any(|t| *t >= LEAST);
@@ -146,6 +151,7 @@ mod tests {
         assert_eq!(said(glass(0.1, 0.0, true), sun, [1.0; 3]), None);
         assert_eq!(said(glass(0.1, 1.0, true), sun, [0.0; 3]), None);
     }
+
     #[test]
     fn mirrors_are_named_too() {
         let metal = |roughness, metallic| {
@@ -158,7 +164,7 @@ mod tests {
         };
         let message = said(metal(0.1, 1.0), LightKind::Directional, [1.0; 3]).expect("a mirror");
         assert_eq!(message, "what light 'Sun' sends by way of a material");
-        let mut scene = dark(&[0.0, 0.2, 0.1, 0.15].map(|roughness| metal(roughness, 1.0)));
+        let mut scene = dark(&[0.0, 0.03, 0.2, 0.1, 0.15].map(|roughness| metal(roughness, 1.0)));
         scene.lights.push(sun(LightKind::Directional, [1.0; 3]));
         assert_eq!(RareLight::of(&scene).map(|rare| rare.roughness), Some(0.1));
         assert_eq!(said(metal(0.5, 1.0), LightKind::Directional, [1.0; 3]), None);

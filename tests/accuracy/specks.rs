@@ -34,29 +34,30 @@ fn ball(roughness: f32) -> (PreparedScene, View) {
     (prepared.expect("not stopped"), crate::common::view(DVec3::new(0.0, 2.0, 5.0), DVec3::ZERO, 40.0, 24))
 }
 
-/// A picture of at most 64 samples, whose error may be 200 levels: why it ended, what it states and what it would by its samples alone.
-fn shoot((scene, view): &(PreparedScene, View), seed: u64) -> (Ended, Accuracy, Accuracy) {
+/// A picture of at most 320 samples, whose error may be 200 levels: why it ended, after how many samples, and what it states and what it would by these
+/// alone.
+fn shoot((scene, view): &(PreparedScene, View), seed: u64) -> (Ended, u32, [Accuracy; 2]) {
     let display = Display::new(&PictureSettings::default(), 0.0);
-    let settings = RenderSettings { seed, spp: 64, ..RenderSettings::default() };
+    let settings = RenderSettings { seed, spp: 320, ..RenderSettings::default() };
     let goal = Goal { error: Some(200.0), time: None };
     let mut progressive = Progressive::new(scene, view, &settings, &goal, display);
     let ended = progressive.run(&Control::default()).expect("not stopped");
     let alone = Accuracy::of(progressive.film(), &display, CONFIDENCE).expect("two replicates");
-    (ended, progressive.accuracy().expect("two replicates"), alone)
+    (ended, progressive.film().spp, [progressive.accuracy().expect("two replicates"), alone])
 }
 
 #[test]
-fn no_bound_ends_a_picture_of_specks_and_bounds_are_further_away() {
+fn bounds_are_further_away_and_end_no_picture_early() {
     let mirror = ball(0.1);
     assert!(mirror.0.rare_light.is_some());
-    let (ended, stated, alone) = shoot(&mirror, 1);
-    assert_eq!(ended, Ended::Samples);
+    let (ended, spp, [stated, alone]) = shoot(&mirror, 1);
+    assert_eq!((ended, spp), (Ended::Error, 256));
     assert!((stated.error - alone.error).abs() < 1e-9);
     // By the number of looks it is further away yet.
     assert!(stated.error_bound >= 2.0 * alone.error_bound, "{stated:?} {alone:?}");
     assert!(stated.relmse_bound >= 4.0 * alone.relmse_bound, "{stated:?} {alone:?}");
 
-    let (ended, stated, alone) = shoot(&ball(0.5), 1);
-    assert_eq!(ended, Ended::Error);
+    let (ended, spp, [stated, alone]) = shoot(&ball(0.5), 1);
+    assert_eq!((ended, spp), (Ended::Error, 16));
     assert!((stated.error_bound - alone.error_bound).abs() < 1e-9, "{stated:?} {alone:?}");
 }

@@ -48,7 +48,7 @@ struct Pictures<'a, 'r> {
     /// With the image of the document that they were first met in.
     encoded: Vec<(usize, Cow<'a, [u8]>)>,
     decoded: Vec<Result<ImageId, Failure>>,
-    /// By the headers, of all of them.
+    /// By the headers, of all but those that could not be decoded.
     texels: u64,
 }
 
@@ -192,14 +192,19 @@ impl<'a> Pictures<'a, '_> {
             self.control.advance(1);
             decoded
         };
-        for result in parallel::map(new, self.control, decode) {
+        let results = parallel::map(new, self.control, decode);
+        for ((_, bytes), result) in new.iter().zip(results) {
             self.decoded.push(match result {
                 Ok(image) => {
                     pictures.push(image);
                     Ok((pictures.len() - 1) as ImageId)
                 }
                 Err(error) if error.code == ErrorCode::Stopped => return Err(error),
-                Err(error) => Err(Failure::of_decoding(error)),
+                Err(error) => {
+                    // What is not there takes no room from another image of the texture.
+                    self.texels = self.texels.saturating_sub(stated_texels(bytes));
+                    Err(Failure::of_decoding(error))
+                }
             });
         }
         Ok(())

@@ -80,7 +80,9 @@ impl Wave<'_> {
         let own_light = Vec3::from(brought.lane(lane));
         if (sound & own).none() {
             // So near that it cannot be said how near.
-            self.memory.slots[slot as usize].radiance += rows.vector(second::THROUGHPUT, at) * light;
+            let light = rows.vector(second::THROUGHPUT, at) * light;
+            // After what the slot is given by paths before this one, whenever these are traced.
+            shared.joined.push(Joined { slot, light, density: 1.0, end: shared.pairs.len });
             return;
         }
         let others = there & !own;

@@ -14,6 +14,7 @@
 //!   path's own.
 //! - Second vertices that are diffuse and nothing else, on the side that the path sees, from where their shading normal is not bent to
 //!   the viewer. Other second vertices, and paths that find none, stay the path's own.
+//! - What y looks like is read once, with the width of the ray that found it: weights of textured places are those of one technique.
 //! - Light that is emitted at y or comes from beyond the scene stays the path's own, with its weight against light samples: L is what y
 //!   scatters.
 //! - Where surfaces are cut out, a ray from x_k is stopped by the same random numbers as the path of pixel k: it meets the scene that this
