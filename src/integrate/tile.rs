@@ -119,7 +119,8 @@ impl Tile {
     pub fn explain(&mut self, cause_of: impl Fn([u32; 2], u32) -> Option<Cause>) {
         for (pixel, sample) in std::mem::take(&mut self.nonfinite) {
             let pixel = [self.x + pixel as u32 % self.width, self.y + pixel as u32 / self.width];
-            // A path that comes out finite when it is followed alone would be a defect of the batched tracer.
+            // A path that comes out finite when it is followed alone was brought too much by others (`--reuse`); without them it would be a
+            // defect of the batched tracer.
             let cause = cause_of(pixel, sample).unwrap_or(Cause::Overflow);
             self.tally.nonfinite += 1;
             self.tally.dropped.add(DroppedSample { pixel, sample, cause });

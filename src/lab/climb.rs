@@ -6,7 +6,7 @@ use super::{Cell, Reference, Store, Way};
 use crate::accuracy::{Accuracy, Allotment, CONFIDENCE, Display, Progressive};
 use crate::batch::{Ready, StageSeconds};
 use crate::film::Film;
-use crate::integrate::{PassTally, render_until};
+use crate::integrate::{PassTally, render_until, shares_paths};
 use crate::metrics::Show;
 use crate::settings::Settings;
 use crate::write::{atomic, display, png};
