@@ -5,13 +5,10 @@ use super::work::Work;
 use super::{Stage, selfcheck};
 use crate::accuracy::{Display, Ended, Finished, Progressive};
 use crate::film::Surfaces;
-use crate::integrate::{View, surfaces};
+use crate::integrate::{MOST_SURFACE_SAMPLES, View, surfaces};
 use crate::prepare::PreparedScene;
 use crate::settings::{PictureFormat, Settings};
 use kiln_formats::Stopped;
-
-/// Camera rays of a pixel behind the layers that tell of surfaces, at most.
-const MOST_SURFACE_SAMPLES: u32 = 64;
 
 impl Work<'_> {
     /// Does all of the job.

@@ -15,6 +15,9 @@ use kiln_formats::scene::Surface;
 use kiln_formats::{Control, Stopped};
 use rayon::prelude::*;
 
+/// Camera rays of a pixel behind the layers that tell of surfaces, at most.
+pub const MOST_SURFACE_SAMPLES: u32 = 64;
+
 /// One pixel of the layers.
 struct Pixel {
     albedo: Vec3,

@@ -109,7 +109,7 @@ fn curve(way: &Way, cells: &[&Cell], subject: &Subject, own: f64, tests: usize) 
         title: way.title.clone(),
         preset: way.preset.is_some(),
         slope: slope(&points),
-        biased: significant && way.max_depth.is_some(),
+        biased: significant && (way.max_depth.is_some() || way.denoise.is_some()),
         unsettled: significant && way.max_depth.is_none(),
         bias,
         points,

@@ -5,8 +5,9 @@ use super::run::{Subject, picture_path};
 use super::{Cell, Reference, Store, Way};
 use crate::accuracy::{Accuracy, Allotment, CONFIDENCE, Display, Progressive};
 use crate::batch::{Ready, StageSeconds};
-use crate::film::Film;
-use crate::integrate::{PassTally, render_until, shares_paths};
+use crate::denoise::Denoiser;
+use crate::film::{Film, Picture};
+use crate::integrate::{MOST_SURFACE_SAMPLES, PassTally, render_until, shares_paths, surfaces};
 use crate::metrics::Show;
 use crate::settings::Settings;
 use crate::write::{atomic, display, png};
@@ -132,25 +133,41 @@ impl Bench<'_> {
         subject: &Subject,
         store: &mut Store,
     ) -> Result<Cell, Ended> {
-        let cell = self.cell(run, name, (film, stated, took), subject)?;
+        let (picture, more) = self.without_noise(run, film)?;
+        // What a denoiser makes states no error.
+        let stated = stated.filter(|_| more.is_none());
+        let more = more.unwrap_or_default();
+        let took = Took { wall: took.wall + more, cpu: took.cpu + more, nonfinite: took.nonfinite };
+        let cell = self.cell(run, name, (film, &picture, stated, &took), subject)?;
         let unwritable = |e: std::io::Error| Ended::Unwritable(format!("cells cannot be written: {e}"));
         store.append(&cell).map_err(unwritable)?;
         if run.settings.render.seed == self.job.settings.render.seed {
-            self.keep_picture(run, film, subject, store)?;
+            self.keep_picture(run, (film, &picture), subject, store)?;
         }
         self.observer.measured(&cell);
         Ok(cell)
+    }
+
+    /// The picture, and if a denoiser was at work the seconds that it took: of one thread, so wall and CPU seconds are the same.
+    fn without_noise(&self, run: &Run, film: &Film) -> Result<(Picture, Option<f64>), Ended> {
+        let picture = film.picture();
+        let Some(program) = &run.settings.pictures.denoise else { return Ok((picture, None)) };
+        let (render, view) = (&run.settings.render, &run.ready.views[0]);
+        let samples = film.spp.min(MOST_SURFACE_SAMPLES);
+        let (surfaces, looked) = surfaces(&run.ready.scene, view, render, samples, self.control)?;
+        let clock = Instant::now();
+        let denoised = Denoiser::new(&program.0).denoise(&picture, &surfaces, 1).map_err(Ended::Unwritable)?;
+        Ok((denoised.picture, Some(looked.cpu_seconds + clock.elapsed().as_secs_f64())))
     }
 
     fn cell(
         &self,
         run: &Run,
         name: &str,
-        (film, stated, took): (&Film, Option<Accuracy>, &Took),
+        (film, picture, stated, took): (&Film, &Picture, Option<Accuracy>, &Took),
         subject: &Subject,
     ) -> Result<Cell, Ended> {
-        let picture = film.picture();
-        let measured = measure(film, &picture, run.reference, run.show).map_err(Ended::Unwritable)?;
+        let measured = measure(film, picture, run.reference, run.show).map_err(Ended::Unwritable)?;
         let (before, before_cpu) = (run.ready.outcome.seconds, run.ready.outcome.cpu_seconds);
         let mut seconds = StageSeconds { render: took.wall + before.render, ..before };
         let mut cpu_seconds = StageSeconds { render: took.cpu + before_cpu.render, ..before_cpu };
@@ -176,10 +193,16 @@ impl Bench<'_> {
         })
     }
 
-    fn keep_picture(&self, run: &Run, film: &Film, subject: &Subject, store: &Store) -> Result<(), Ended> {
+    fn keep_picture(
+        &self,
+        run: &Run,
+        (film, picture): (&Film, &Picture),
+        subject: &Subject,
+        store: &Store,
+    ) -> Result<(), Ended> {
         let path = picture_path(store.folder(), &subject.stem, &run.way.name, film.spp);
         let pictures = &self.job.settings.pictures;
-        let shown = display::develop(&film.picture(), subject.exposure, pictures.tonemap, pictures.background);
+        let shown = display::develop(picture, subject.exposure, pictures.tonemap, pictures.background);
         let metadata = metadata(&subject.name, &run.settings.render, film.spp);
         let unwritable = |e: String| Ended::Unwritable(format!("{}: cannot be written: {e}", path.display()));
         let bytes = png::encode(&shown, pictures.bits, &metadata).map_err(|e| unwritable(e.to_string()))?;

@@ -1,6 +1,7 @@
+use crate::denoise::{Denoiser, PROGRAM};
 use crate::settings::{
-    Adaptive, Effect, EffectSet, EffectSettings, KdTreeBuilder, Preset, Reuse, SamplerKind, Settings, Strategy,
-    roulette_after,
+    Adaptive, Effect, EffectSet, EffectSettings, KdTreeBuilder, PathText, Preset, Reuse, SamplerKind, Settings,
+    Strategy, roulette_after,
 };
 use clap::ValueEnum;
 use serde::Serialize;
@@ -39,13 +40,16 @@ pub struct Way {
     /// Whether pixels use each other's paths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reuse: Option<Reuse>,
+    /// The program that removes the noise of what was rendered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub denoise: Option<PathText>,
     /// A goal instead of growing samples: one picture, when its stated error is small enough.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<Preset>,
 }
 
 /// The ways that have a name: name, group, title, and what they do otherwise.
-pub const WAYS: [(&str, &str, &str, &str); 26] = [
+pub const WAYS: [(&str, &str, &str, &str); 27] = [
     ("kiln", "strategies", "Kiln's own way: MIS, Sobol' points, SAH tree", ""),
     ("light", "strategies", "light sampling alone", "strategy=light"),
     ("bsdf", "strategies", "BSDF sampling alone", "strategy=bsdf"),
@@ -73,6 +77,7 @@ pub const WAYS: [(&str, &str, &str, &str); 26] = [
     ("no-roulette", "roulette", "no Russian roulette: every path to its full depth", "roulette=off"),
     ("even", "adaptive", "the same number of samples in all pixels", "adaptive=off"),
     ("reuse", "reuse", "pixels use each other's paths", "reuse=on"),
+    (DENOISED, DENOISED, "without noise, by Open Image Denoise with one thread", "denoise=on"),
     ("draft", "presets", "--preset draft: until the stated error is 8 levels", "preset=draft"),
     ("preview", "presets", "--preset preview: until the stated error is 4 levels", "preset=preview"),
     ("final", "presets", "--preset final: until the stated error is 1.5 levels", "preset=final"),
@@ -84,15 +89,19 @@ pub const WAYS: [(&str, &str, &str, &str); 26] = [
     ),
 ];
 
+/// The way that needs a program which may not be there; lists leave it out then.
+const DENOISED: &str = "denoised";
+
 /// What a way can do otherwise.
-const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, reuse, effects, preset";
+const KEYS: &str =
+    "strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, reuse, effects, denoise, preset";
 
 /// What is studied unless something else is asked for.
-const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,even,2018,presets";
+const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,even,2018,denoised,presets";
 
 impl Way {
     /// A way by its name, or one's own: `NAME: KEY=VALUE KEY=VALUE …` with the keys strategy, sampler, kdtree, max-depth,
-    /// light-samples, roulette, adaptive, reuse, effects and preset.
+    /// light-samples, roulette, adaptive, reuse, effects, denoise (on, or a program) and preset.
     ///
     /// # Errors
     /// A sentence.
@@ -126,6 +135,7 @@ impl Way {
                 "effects" => way.effects = Some(value.parse().map_err(wrong)?),
                 "adaptive" => way.adaptive = Some(Adaptive::from_str(value, false).map_err(wrong)?),
                 "reuse" => way.reuse = Some(Reuse::from_str(value, false).map_err(wrong)?),
+                "denoise" => way.denoise = Some(PathText(if value == "on" { PROGRAM } else { value }.into())),
                 "preset" => way.preset = Some(Preset::from_str(value, false).map_err(wrong)?),
                 _ => return Err(format!("'{key}' is none of {KEYS}")),
             }
@@ -145,6 +155,7 @@ impl Way {
         own.render.adaptive = self.adaptive.unwrap_or(own.render.adaptive);
         own.render.reuse = self.reuse.unwrap_or(own.render.reuse);
         own.prepare.effects = self.effects.unwrap_or(own.prepare.effects);
+        own.pictures.denoise = self.denoise.clone().or(own.pictures.denoise);
         if let Some(preset) = self.preset {
             (own.goal, own.render.spp) = preset.goal();
         }
@@ -172,12 +183,30 @@ fn names() -> Vec<&'static str> {
     WAYS.iter().map(|w| w.0).collect()
 }
 
-/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, adaptive, reuse, presets), `usual` and `all`, separated by commas,
-/// each once; and those of one's own.
+/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, adaptive, reuse, presets), `usual` and `all`, separated by
+/// commas, each once; and those of one's own. `usual` and `all` have the denoised one only where its program is there.
 ///
 /// # Errors
-/// A sentence.
+/// A sentence, also where a denoiser is asked for that is not there.
 pub fn ways(list: &str, own: &[String]) -> Result<Vec<Way>, String> {
+    let ways = named(list, own)?;
+    let lists = |word: &str| matches!(word.trim(), "usual" | "all");
+    let by_name = list.split(',').any(|word| word.trim() == DENOISED);
+    let mut there = Vec::new();
+    for way in ways {
+        match way.denoise.as_ref().map_or(Ok(()), |program| Denoiser::new(&program.0).check()) {
+            Ok(()) => there.push(way),
+            Err(_) if way.name == DENOISED && !by_name && list.split(',').any(lists) => {}
+            Err(message) => {
+                let message = message.replace("--denoise=PROGRAM", "--way 'NAME: denoise=PROGRAM'");
+                return Err(format!("{}: {message}", way.name));
+            }
+        }
+    }
+    Ok(there)
+}
+
+fn named(list: &str, own: &[String]) -> Result<Vec<Way>, String> {
     let mut ways: Vec<Way> = Vec::new();
     let list = list.split(',').map(str::trim).flat_map(|word| match word {
         "usual" => USUAL.split(',').collect(),
@@ -207,7 +236,7 @@ mod tests {
 
     #[test]
     fn every_named_way_can_be_read_and_the_list_knows_groups() {
-        let all = ways("all", &[]).expect("all");
+        let all = named("all", &[]).expect("all");
         assert_eq!(all.len(), WAYS.len());
         let settings = Settings::default();
         assert_eq!(all[0].of(&settings), settings);
@@ -220,5 +249,7 @@ mod tests {
             assert!(Way::parse(wrong).is_err(), "{wrong}");
         }
         assert!(ways("usual", &[]).expect("usual").len() > 8);
+        let gone = ways("kiln", &["mine: denoise=/there/is/none".into()]).expect_err("no such program");
+        assert!(gone.starts_with("mine: /there/is/none does not run"), "{gone}");
     }
 }
