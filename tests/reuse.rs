@@ -11,10 +11,10 @@ use kiln::formats::scene::{
     Alpha, AlphaMode, Channel, ColorInput, ColorSpace, Filter, Image, Material, Mesh, MetalRough, Pixels, ScalarInput,
     Surface, Texture, TextureRef, Wrap,
 };
-use kiln::integrate::{Rendered, View, render_pass};
+use kiln::integrate::{Rendered, View, render, render_pass, shares_paths};
 use kiln::math::statistics;
 use kiln::prepare::{EnvironmentSource, prepare};
-use kiln::settings::{Adaptive, Integrator, PrepareSettings, RenderSettings, Reuse, SimdTier, Strategy};
+use kiln::settings::{Adaptive, Integrator, PrepareSettings, RenderSettings, Reuse, SamplerKind, SimdTier, Strategy};
 use kiln::{Control, Scene};
 
 /// A box with a small lamp, of which most surfaces are diffuse: facets, smooth shading and a texture; a metal ball, and a shiny block.
@@ -223,4 +223,28 @@ fn integrators_that_follow_each_path_alone_do_not_share() {
     assert!(!alone.shares());
     let film = with(&room(), &EnvironmentSource::None, &alone, &inside(16)).film;
     assert!(!film.shares);
+}
+
+#[test]
+fn where_nothing_is_diffuse_nothing_is_shared_and_pixels_stay_independent() {
+    let metal = |metallic| {
+        let metal = MetalRough { metallic: ScalarInput::constant(metallic), ..MetalRough::default() };
+        Material { surface: Surface::MetalRough(metal), ..Material::default() }
+    };
+    let shares = |material: Material, settings: &RenderSettings| {
+        let mut scene = Scene::default();
+        add(&mut scene, square(), material, DAffine3::IDENTITY);
+        let world = EnvironmentSource::Constant([1.0; 3]);
+        let prepared = prepare(scene, &world, &PrepareSettings::default(), &Control::default()).expect("not stopped");
+        let film = render(&prepared, &inside(16), settings, &Control::default()).expect("not stopped").film;
+        assert_eq!(film.shares, shares_paths(&prepared, settings));
+        let allotted = settings.allotted(film.shares);
+        assert_eq!(allotted == Adaptive::Off, film.shares, "noise decides where pixels are independent");
+        film.shares
+    };
+    let on = settings(Reuse::On, 2, 2);
+    assert!(shares(lambert(0.5, 0.0), &on));
+    assert!(!shares(metal(1.0), &on));
+    assert!(!shares(metal(0.0), &on), "plastic reflects like a mirror, a little");
+    assert!(!shares(lambert(0.5, 0.0), &RenderSettings { sampler: SamplerKind::Xorshift32, ..on }));
 }
