@@ -3,8 +3,8 @@
 //! What an image says of colour where it says that nothing is there (often black) is never seen at a texel, but filters would mix it into its
 //! neighbours: dark fringes around leaves. So averages go by coverage, and where nothing is there, the colour of what is next to it goes on.
 
-use kiln_formats::Scene;
 use kiln_formats::scene::{AlphaMode, Channel, Image, Material, Pixels, TextureId, TextureRef};
+use kiln_formats::{Control, Scene, Stopped};
 
 /// How much the texels of an image count in averages of its colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -88,17 +88,22 @@ fn weighing(scene: &Scene, material: &Material, reference: &TextureRef) -> Weigh
 
 /// Gives the texels that cover nothing the colour of those beside them that do, in images whose colours all go by coverage, so that what is
 /// interpolated between both has no colour of what nobody is to see.
-pub fn bleed(scene: &mut Scene) {
+///
+/// # Errors
+/// [`Stopped`] when `control` asks for it.
+pub fn bleed(scene: &mut Scene, control: &Control) -> Result<(), Stopped> {
     let mut by_coverage: Vec<Option<bool>> = vec![None; scene.images.len()];
     for (texture, weighing) in scene.textures.iter().zip(weighings(scene)) {
         let known = &mut by_coverage[texture.image as usize];
         *known = Some(known.unwrap_or(true) && weighing != Weighing::Even);
     }
     for (image, _) in scene.images.iter_mut().zip(by_coverage).filter(|(_, by_coverage)| *by_coverage == Some(true)) {
+        control.check()?;
         if let Some(weights) = Weighing::by_alpha().of(image) {
             spread(image, &weights);
         }
     }
+    Ok(())
 }
 
 /// Gives texels without weight the mean colour of their eight neighbours, by weight. Further away nothing that can be seen is mixed with them.
@@ -201,7 +206,7 @@ mod tests {
         let texels = [[0, 0, 0, 0], [90, 60, 30, 255], [9, 9, 9, 0], [30, 60, 90, 85], [7, 7, 7, 0], [8, 8, 8, 0]];
         let mut seen = scene(&texels);
         seen.materials = vec![cut_out(0, 1, AlphaMode::Blend)];
-        bleed(&mut seen);
+        bleed(&mut seen, &Control::default()).expect("not stopped");
         let of = |scene: &Scene, image: usize| match &scene.images[image].pixels {
             Pixels::Rgba8(p) => p.as_chunks().0.to_vec(),
             _ => panic!("bytes stay bytes"),
@@ -212,7 +217,7 @@ mod tests {
         assert_eq!(of(&seen, 1), texels, "another image");
         let mut whole = scene(&texels);
         whole.materials = vec![cut_out(0, 1, AlphaMode::Blend), cut_out(0, 1, AlphaMode::Opaque)];
-        bleed(&mut whole);
+        bleed(&mut whole, &Control::default()).expect("not stopped");
         assert_eq!(of(&whole, 0), texels, "somebody sees it all");
     }
 }

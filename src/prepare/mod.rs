@@ -143,7 +143,7 @@ pub(crate) fn prepare_knowing(
     effects::leave_out(&mut scene, settings.effects.without);
     let rewrites = if settings.effects.raw { Vec::new() } else { effects::normalise(&mut scene) };
     control.check()?;
-    bleed(&mut scene);
+    bleed(&mut scene, control)?;
     if settings.physical_lights {
         physical::replace_soft_lights(&mut scene, settings.point_lights);
     }
