@@ -3,6 +3,7 @@
 use super::super::aligned::settle;
 use super::super::built::{Built, BuiltKind};
 use super::super::leaves::Leaf;
+use super::grouping::Grouping;
 use super::node::{Child, WIDTH, WideNode};
 
 /// Says where the leaves of the binary tree are to lie.
@@ -28,31 +29,27 @@ struct Treelet {
 }
 
 impl Treelet {
-    /// Opens the child of the largest area again and again, until there are 16 or all are leaves.
-    fn grow(built: &Built, cell: usize) -> Self {
+    /// The cells that are grouped under one.
+    fn grow(built: &Built, grouping: &Grouping, cell: usize) -> Self {
         let mut treelet = Self { parts: [Part::Child { cell }; 2 * WIDTH], len: 1 };
-        while treelet.len < 2 * WIDTH - 1 {
-            let mut largest: Option<(f32, usize)> = None;
-            for (i, part) in treelet.parts[..treelet.len].iter().enumerate() {
-                if let Part::Child { cell } = *part
-                    && let BuiltKind::Split { .. } = built.cells[cell].kind
-                {
-                    let area = built.cells[cell].bounds.half_area();
-                    if largest.is_none_or(|(most, _)| area > most) {
-                        largest = Some((area, i));
-                    }
-                }
-            }
-            let Some((_, i)) = largest else { break };
-            if let Part::Child { cell } = treelet.parts[i]
+        // Of each part: the slots that it may take.
+        let mut slots = [WIDTH; 2 * WIDTH];
+        let mut at = 0;
+        while at < treelet.len {
+            if let Part::Child { cell } = treelet.parts[at]
                 && let BuiltKind::Split { plane, right } = built.cells[cell].kind
             {
-                let (left, right_part) = (treelet.len, treelet.len + 1);
-                treelet.parts[left] = Part::Child { cell: cell + 1 };
-                treelet.parts[right_part] = Part::Child { cell: cell + right as usize };
-                treelet.parts[i] = Part::Split { axis: plane.axis, left, right: right_part };
-                treelet.len += 2;
+                let to_left = if at == 0 { grouping.of_node(cell) } else { grouping.of_part(cell, slots[at]) };
+                if to_left > 0 {
+                    let (left, right_part) = (treelet.len, treelet.len + 1);
+                    treelet.parts[left] = Part::Child { cell: cell + 1 };
+                    treelet.parts[right_part] = Part::Child { cell: cell + right as usize };
+                    (slots[left], slots[right_part]) = (to_left, slots[at] - to_left);
+                    treelet.parts[at] = Part::Split { axis: plane.axis, left, right: right_part };
+                    treelet.len += 2;
+                }
             }
+            at += 1;
         }
         treelet
     }
@@ -82,6 +79,7 @@ impl Treelet {
 /// to each other.
 pub fn collapse(built: &Built, places: &mut impl Places) -> Vec<WideNode> {
     let leaf_numbers = built.leaf_numbers();
+    let grouping = Grouping::new(built);
     let mut nodes = Vec::new();
     let (mut small, mut large) = (Vec::new(), Vec::new());
     // Nodes to be made: place among the nodes, and the binary cell.
@@ -91,7 +89,7 @@ pub fn collapse(built: &Built, places: &mut impl Places) -> Vec<WideNode> {
         tasks.push((0usize, 0usize));
     }
     while let Some((place, cell)) = tasks.pop() {
-        let treelet = Treelet::grow(built, cell);
+        let treelet = Treelet::grow(built, &grouping, cell);
         let mut node = WideNode::empty();
         node.leaf_base = places.base();
         let mut slot_of_part = [0usize; 2 * WIDTH];
