@@ -7,7 +7,10 @@ mod common;
 use common::everything::everything;
 use common::{add, cube, lambert, shoot, sphere, square, view};
 use glam::{DAffine3, DVec3};
-use kiln::formats::scene::{ColorInput, Instance, Light, LightKind, Material, Mesh, MetalRough, ScalarInput, Surface};
+use kiln::formats::scene::{
+    Channel, ColorInput, ColorSpace, Filter, Image, Instance, Layers, Light, LightKind, Material, Mesh, MetalRough,
+    NormalMap, Pixels, ScalarInput, Surface, Texture, TextureRef, Wrap,
+};
 use kiln::integrate::{Rendered, View, render};
 use kiln::prepare::{EnvironmentSource, prepare};
 use kiln::settings::{Instances, Integrator, PrepareSettings, RenderSettings, SamplerKind, SimdTier, Strategy};
@@ -72,6 +75,42 @@ fn rough() -> Scene {
     scene
 }
 
+/// Clear coats in the box of [`rough`]: mirrors, rough ones, with strengths from an image, and with normals of their own.
+fn coats() -> Scene {
+    let mut scene = rough();
+    let texels = vec![160u8, 128, 250, 255, 128, 90, 240, 255, 0, 150, 250, 255, 100, 128, 255, 255];
+    scene.images.push(Image { name: String::new(), width: 2, height: 2, pixels: Pixels::Rgba8(texels) });
+    let (wrap_u, wrap_v, filter, color_space) = (Wrap::Repeat, Wrap::Repeat, Filter::Linear, ColorSpace::Linear);
+    scene.textures.push(Texture { image: 0, wrap_u, wrap_v, filter, color_space });
+    let map = || Some(NormalMap { texture: TextureRef::new(0), scale: 0.8 });
+    let coated = |layers: Layers, metallic, normal_map| Material {
+        surface: Surface::MetalRough(MetalRough {
+            base_color: ColorInput::constant([0.7, 0.2, 0.1]),
+            metallic: ScalarInput::constant(metallic),
+            roughness: ScalarInput::constant(0.5),
+            layers: Some(layers),
+            ..MetalRough::default()
+        }),
+        normal_map,
+        ..Material::default()
+    };
+    let strength = ScalarInput { factor: 1.0, texture: Some(TextureRef::new(0)), channel: Channel::R, bias: 0.0 };
+    let (full, rough) = (ScalarInput::constant(1.0), ScalarInput::constant(0.4));
+    let smooth = Layers { clearcoat: full, ..Layers::default() };
+    let worn = Layers { clearcoat: strength, clearcoat_roughness: rough, ..Layers::default() };
+    let own = Layers { clearcoat: full, clearcoat_normal_map: map(), ..Layers::default() };
+    let uvs = [vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]], Vec::new()];
+    let sheet = Mesh { uvs, tangents: vec![[1.0, 0.0, 0.0, 1.0]; 4], ..square() };
+    let at = |x: f64, y: f64, s: f64| {
+        DAffine3::from_translation(DVec3::new(x, y, -0.7)) * DAffine3::from_scale(DVec3::splat(s))
+    };
+    add(&mut scene, sphere(2), coated(smooth, 0.0, None), at(0.0, 0.4, 0.25));
+    add(&mut scene, sheet.clone(), coated(worn, 0.0, None), at(-0.5, 0.4, 0.25));
+    add(&mut scene, sheet.clone(), coated(own, 1.0, None), at(0.5, 0.4, 0.25));
+    add(&mut scene, sheet, coated(smooth, 0.0, map()), at(0.5, -0.1, 0.2));
+    scene
+}
+
 fn settings(strategy: Strategy, sampler: SamplerKind, light_samples: u32) -> RenderSettings {
     RenderSettings { spp: 8, max_depth: 8, strategy, sampler, light_samples, ..RenderSettings::default() }
 }
@@ -105,6 +144,10 @@ fn rough_surfaces_come_out_the_same() {
         let what = format!("{strategy:?} {light_samples}");
         assert_same(&rough(), &EnvironmentSource::None, settings, &inside, &what);
     }
+    for (strategy, light_samples) in [(Strategy::Mis, 1), (Strategy::Light, 2), (Strategy::Bsdf, 1)] {
+        let settings = settings(strategy, SamplerKind::Sobol, light_samples);
+        assert_same(&coats(), &EnvironmentSource::None, settings, &inside, &format!("coats, {strategy:?}"));
+    }
     // Without the box around it, below the studio's map.
     let mut open = rough();
     open.instances.remove(0);
@@ -122,7 +165,7 @@ fn every_tier_and_number_of_threads_gives_the_same_bytes() {
         let prepare = PrepareSettings { simd, ..PrepareSettings::default() };
         pool.install(|| shoot(scene, &EnvironmentSource::Studio, &prepare, &settings, &view)).film
     };
-    for scene in [everything(), rough()] {
+    for scene in [everything(), rough(), coats()] {
         let first = shoot_with(&scene, SimdTier::Scalar, 1);
         for (simd, threads) in [(SimdTier::Avx2, 2), (SimdTier::Avx512, 1), (SimdTier::Auto, 5)] {
             assert_eq!(first, shoot_with(&scene, simd, threads), "{simd:?}, {threads} threads");

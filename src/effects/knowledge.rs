@@ -20,10 +20,10 @@ impl Knowledge {
         self.own(called).and(self.forced)
     }
 
-    /// Effects whose presence is asked about at hits by all kinds of surfaces, so that forcing them costs something. The others
-    /// are models of scattering, kinds of lights, and bodies: each material and each list of lights has its own, and nothing is
+    /// Effects whose presence is asked about at hits by all kinds of surfaces, so that forcing them costs something (a clear coat of
+    /// strength 0 is sampled and evaluated like any other). The others are models of scattering, kinds of lights, and bodies: each material and each list of lights has its own, and nothing is
     /// left out for the lack of another.
-    pub const ASKED: [Effect; 10] = [
+    pub const ASKED: [Effect; 11] = [
         Effect::Textures,
         Effect::NormalMaps,
         Effect::VertexColors,
@@ -33,6 +33,7 @@ impl Knowledge {
         Effect::Culling,
         Effect::Specular,
         Effect::Metal,
+        Effect::Clearcoat,
         Effect::Emission,
     ];
 }

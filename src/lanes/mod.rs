@@ -13,6 +13,7 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod frame;
 pub mod functions;
 mod operators;
 mod plain;
@@ -23,6 +24,7 @@ mod vector;
 mod tests;
 
 use crate::math::simd::SimdTier;
+pub use frame::FrameLanes;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 pub use vector::V3;

@@ -36,6 +36,8 @@ pub(crate) struct PartWay {
     pub textured: bool,
     /// Whether it has a normal map.
     pub mapped: bool,
+    /// Whether it may have a clear coat.
+    pub coated: bool,
     /// Whether it bounds a body that another body may touch.
     pub touches: bool,
 }
@@ -54,6 +56,7 @@ pub(crate) fn ways(scene: &Scene, geometry: &Geometry, know: Knowledge, filters:
             smooth: asked.has(Effect::SmoothNormals),
             textured: asked.has_any(&[Effect::Textures, Effect::NormalMaps, Effect::VertexColors]),
             mapped: asked.has(Effect::NormalMaps),
+            coated: asked.has(Effect::Clearcoat),
             touches: false,
         }
     };
@@ -108,13 +111,14 @@ fn touching_parts(scene: &Scene, geometry: &Geometry) -> Vec<usize> {
 }
 
 /// What a flat surface of one diffuse colour has not.
-const NOT_FLAT: [Effect; 6] = [
+const NOT_FLAT: [Effect; 7] = [
     Effect::NormalMaps,
     Effect::VertexColors,
     Effect::SmoothNormals,
     Effect::Specular,
     Effect::Metal,
     Effect::Transmission,
+    Effect::Clearcoat,
 ];
 
 /// The effects that lanes can do; a surface that calls for any other is done one by one.
@@ -144,7 +148,7 @@ pub(crate) fn has_diffuse(scene: &Scene) -> bool {
         let lanes = matches!(surface, Surface::MetalRough(m) if m.volume.is_none());
         lanes
             && called.but(in_lanes()).is_empty()
-            && !called.has_any(&[Effect::Specular, Effect::Metal, Effect::Transmission])
+            && !called.has_any(&[Effect::Specular, Effect::Metal, Effect::Transmission, Effect::Clearcoat])
     })
 }
 

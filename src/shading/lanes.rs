@@ -2,6 +2,7 @@
 //! lobes one by one ([`super::lambert`], [`super::ggx_reflection`], [`super::microfacet`]), to rounding.
 
 use super::GRAZING;
+use super::coat_lanes::CoatLanes;
 use super::metal_rough_lanes::schlick_weight;
 use crate::lanes::functions::{sin_cos_small, sin_cos_turns};
 use crate::lanes::{Floats, V3};
@@ -30,8 +31,10 @@ pub struct RoughLanes<F: Floats> {
     pub reflects: bool,
     /// Whether any lane has the wall.
     pub transmits: bool,
-    /// Whether any lane has a delta distribution.
+    /// Whether any lane has a delta distribution among these.
     pub peaks: bool,
+    /// Above all of them, where materials may have one; chosen before the others.
+    pub coat: Option<CoatLanes<F>>,
 }
 
 /// Directions of scattering.
@@ -64,12 +67,16 @@ impl<F: Floats> RoughLanes<F> {
             reflects: false,
             transmits: false,
             peaks: false,
+            coat: None,
         }
     }
 
     /// Nothing at all elsewhere.
     #[inline(always)]
     pub fn only(mut self, there: F::Mask) -> Self {
+        if let Some(coat) = &mut self.coat {
+            coat.share = coat.share.only(there);
+        }
         let [diffuse, reflection, wall] = self.shares;
         self.shares = [diffuse.only(there), reflection.only(there), wall.only(there)];
         self
@@ -77,7 +84,10 @@ impl<F: Floats> RoughLanes<F> {
 
     /// With Lambert's lobe alone at some points.
     #[inline(always)]
-    pub fn or_lambert(self, there: F::Mask, albedo: V3<F>) -> Self {
+    pub fn or_lambert(mut self, there: F::Mask, albedo: V3<F>) -> Self {
+        if let Some(coat) = &mut self.coat {
+            coat.share = coat.share.only(!there);
+        }
         let (zero, one) = (albedo.x.fill(0.0), albedo.x.fill(1.0));
         let [diffuse, reflection, wall] = self.shares;
         Self {
@@ -93,13 +103,34 @@ impl<F: Floats> RoughLanes<F> {
     #[inline(always)]
     pub fn scatters(&self) -> F::Mask {
         let [diffuse, reflection, wall] = self.shares;
-        (diffuse + reflection + wall).gt(diffuse.fill(0.0))
+        (diffuse + reflection + wall).gt(diffuse.fill(0.0)) | self.coated()
+    }
+
+    /// Where there is a clear coat.
+    #[inline(always)]
+    pub fn coated(&self) -> F::Mask {
+        match &self.coat {
+            Some(coat) => coat.there(),
+            None => self.alpha.lt(self.alpha),
+        }
+    }
+
+    /// Whether there is more than Lambert's lobe to choose from anywhere.
+    #[inline(always)]
+    pub fn chooses(&self) -> bool {
+        self.reflects | self.transmits | self.coat.is_some()
     }
 
     /// Where some lobe is no delta distribution, so that sampling lights makes sense.
     #[inline(always)]
     pub fn has_smooth(&self) -> F::Mask {
-        self.shares[0].gt(self.alpha.fill(0.0)) | self.rough & self.scatters()
+        let zero = self.alpha.fill(0.0);
+        let [diffuse, reflection, wall] = self.shares;
+        let below = diffuse.gt(zero) | self.rough & (reflection + wall).gt(zero);
+        match &self.coat {
+            Some(coat) => below | coat.rough & coat.there(),
+            None => below,
+        }
     }
 
     /// Where a lobe that is no delta distribution sends light through the surface.
@@ -120,44 +151,43 @@ impl<F: Floats> RoughLanes<F> {
         if self.reflects | self.transmits {
             // The wall is the reflection turned to the other side.
             let up = wi.z.gt(zero);
-            let (ggx, fresnel, pdf) = self.microfacets(wo, V3::new(wi.x, wi.y, wi.z.abs()));
+            let (ggx, rise, pdf) = microfacets(self.alpha, wo, V3::new(wi.x, wi.y, wi.z.abs()));
+            let fresnel = self.f0 + (self.f90 - self.f0) * rise;
             let colour = if self.transmits { V3::select(up, fresnel, self.tint) } else { fresnel.only(up) };
             let share = F::select(up, self.shares[1], self.shares[2]);
             let has = self.rough & share.gt(zero);
             value = value + (colour * ggx).only(has);
             density = density + (share * pdf).only(has);
         }
+        if let Some(coat) = &self.coat {
+            let (own, pdf) = coat.eval(wo, wi);
+            value = value + V3::splat(own);
+            density = density + pdf;
+        }
         (value.only(seen), density.only(seen))
     }
 
-    /// D G2 / (4 cos θo), Fresnel's term and the density of the rough reflection, both directions above the surface.
-    #[inline(always)]
-    fn microfacets(&self, wo: V3<F>, wi: V3<F>) -> (F, V3<F>, F) {
-        let one = wo.z.fill(1.0);
-        let h = (wo + wi).normalized();
-        let a2 = self.alpha * self.alpha;
-        let d = a2 * h.z * h.z + h.x * h.x + h.y * h.y;
-        let distribution = (a2 * FRAC_1_PI / (d * d)).only(h.z.gt(one.fill(0.0)));
-        let (stretched_o, stretched_i) = (stretched(a2, wo), stretched(a2, wi));
-        let shadowing = one.fill(2.0) / (wo.z * stretched_i + wi.z * stretched_o);
-        let scalar = distribution * shadowing * wi.z * 0.25;
-        let fresnel = self.f0 + (self.f90 - self.f0) * schlick_weight(wo.dot(h));
-        let pdf = distribution * 0.5 / (wo.z + stretched_o);
-        (scalar, fresnel, pdf)
-    }
-
-    /// Directions for `u_lobe` (which matters only if not all is Lambert's) and `u` in [0, 1).
+    /// Directions for `u_lobe` (which matters only if [`Self::chooses`]) and `u` in [0, 1).
     #[inline(always)]
     pub fn sample(&self, wo: V3<F>, u_lobe: F, u: [F; 2]) -> RoughSample<F> {
         let (zero, one) = (wo.z.fill(0.0), wo.z.fill(1.0));
         let mut wi = cosine_hemisphere(u);
         let never = one.lt(zero);
-        let (mut peak, mut wall, mut absorbed) = (never, never, never);
+        let (mut peak, mut wall, mut absorbed, mut above) = (never, never, never, never);
         if self.reflects | self.transmits {
             let [diffuse, reflection, through] = self.shares;
-            let other = !u_lobe.lt(diffuse) | !diffuse.gt(zero);
+            let mut other = !u_lobe.lt(diffuse) | !diffuse.gt(zero);
             wall = other & through.gt(zero) & (!u_lobe.lt(diffuse + reflection) | !reflection.gt(zero));
-            let h = self.visible_normal(wo, u);
+            if let Some(coat) = &self.coat {
+                // Among layers the reflection comes first.
+                let coated = coat.layered;
+                let left = u_lobe - coat.share;
+                let mirrors = left.lt(reflection) & reflection.gt(zero);
+                let spreads = !mirrors & diffuse.gt(zero) & (left.lt(reflection + diffuse) | !through.gt(zero));
+                other = coated & !spreads | other & !coated;
+                wall = coated & !spreads & !mirrors & through.gt(zero) | wall & !coated;
+            }
+            let h = visible_normal(self.alpha, wo, u);
             let reflected = (h * (wo.dot(h) * 2.0) - wo).normalized();
             absorbed = other & self.rough & reflected.z.le(zero);
             let turned = V3::new(reflected.x, reflected.y, F::select(wall, -reflected.z, reflected.z));
@@ -168,31 +198,59 @@ impl<F: Floats> RoughLanes<F> {
                 wi = V3::select(peak, mirrored, wi);
             }
         }
+        if let Some(coat) = &self.coat {
+            let [diffuse, reflection, through] = self.shares;
+            above = coat.there() & (u_lobe.lt(coat.share) | !(diffuse + reflection + through).gt(zero));
+            let (own, lost) = coat.sample(wo, u);
+            let mirror = above & !coat.rough;
+            wi = V3::select(above, V3::select(mirror, V3::new(-wo.x, -wo.y, wo.z), own), wi);
+            absorbed = above & !mirror & lost | absorbed & !above;
+            peak = mirror | peak & !above;
+        }
         let (value, pdf) = self.eval(wo, wi);
         let mut sample = RoughSample { wi, weight: value * (one / pdf), pdf, delta: peak };
-        if self.peaks {
+        if self.peaks | self.coat.is_some() {
             let fresnel = self.f0 + (self.f90 - self.f0) * schlick_weight(wo.z);
-            let share = F::select(wall, self.shares[2], self.shares[1]);
-            let value = V3::select(wall, self.tint, fresnel);
+            let mut share = F::select(wall, self.shares[2], self.shares[1]);
+            let mut value = V3::select(wall, self.tint, fresnel);
+            if let Some(coat) = &self.coat {
+                share = F::select(above, coat.share, share);
+                value = V3::select(above, V3::splat(coat.mirrored(wo)), value);
+            }
             sample.pdf = F::select(peak, share.only(wo.z.ge(wo.z.fill(GRAZING))), pdf);
             sample.weight = V3::select(peak, value * (one / share), sample.weight);
         }
         sample.pdf = F::select(absorbed, zero, sample.pdf);
         sample
     }
+}
 
-    /// Dupuy & Benyoub 2023, as [`super::microfacet::sample_visible_normal`].
-    #[inline(always)]
-    fn visible_normal(&self, wo: V3<F>, u: [F; 2]) -> V3<F> {
-        let one = wo.z.fill(1.0);
-        let std = V3::new(wo.x * self.alpha, wo.y * self.alpha, wo.z).normalized();
-        let u0 = u[0].min(one.fill(ONE_MINUS_EPSILON));
-        let z = (one - u0) * (std.z + 1.0) - std.z;
-        let sin = (one - z * z).max(one.fill(0.0)).sqrt();
-        let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
-        let h = V3::new(sin * cos_phi, sin * sin_phi, z) + std;
-        V3::new(h.x * self.alpha, h.y * self.alpha, h.z.max(one.fill(1e-7))).normalized()
-    }
+/// D G2 / (4 cos θo), the share of Fresnel's term that rises, and the density of a rough reflection, both directions above the surface.
+#[inline(always)]
+pub(super) fn microfacets<F: Floats>(alpha: F, wo: V3<F>, wi: V3<F>) -> (F, F, F) {
+    let one = wo.z.fill(1.0);
+    let h = (wo + wi).normalized();
+    let a2 = alpha * alpha;
+    let d = a2 * h.z * h.z + h.x * h.x + h.y * h.y;
+    let distribution = (a2 * FRAC_1_PI / (d * d)).only(h.z.gt(one.fill(0.0)));
+    let (stretched_o, stretched_i) = (stretched(a2, wo), stretched(a2, wi));
+    let shadowing = one.fill(2.0) / (wo.z * stretched_i + wi.z * stretched_o);
+    let scalar = distribution * shadowing * wi.z * 0.25;
+    let pdf = distribution * 0.5 / (wo.z + stretched_o);
+    (scalar, schlick_weight(wo.dot(h)), pdf)
+}
+
+/// Dupuy & Benyoub 2023, as [`super::microfacet::sample_visible_normal`].
+#[inline(always)]
+pub(super) fn visible_normal<F: Floats>(alpha: F, wo: V3<F>, u: [F; 2]) -> V3<F> {
+    let one = wo.z.fill(1.0);
+    let std = V3::new(wo.x * alpha, wo.y * alpha, wo.z).normalized();
+    let u0 = u[0].min(one.fill(ONE_MINUS_EPSILON));
+    let z = (one - u0) * (std.z + 1.0) - std.z;
+    let sin = (one - z * z).max(one.fill(0.0)).sqrt();
+    let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
+    let h = V3::new(sin * cos_phi, sin * sin_phi, z) + std;
+    V3::new(h.x * alpha, h.y * alpha, h.z.max(one.fill(1e-7))).normalized()
 }
 
 /// [`super::microfacet::stretched`], with α².

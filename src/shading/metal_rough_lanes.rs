@@ -1,6 +1,7 @@
 //! glTF's metal-rough model at sixteen surface points: twin of [`super::metal_rough`] for surfaces that bound no solid.
 
 use super::albedo::GgxAlbedoLanes;
+use super::coat_lanes::ClearCoatLanes;
 use super::lanes::RoughLanes;
 use super::metal_rough::SMALLEST_ALPHA;
 use crate::lanes::{Floats, Lanes, Mask, V3};
@@ -32,11 +33,18 @@ struct Term<F> {
 }
 
 impl<F: Floats> MetalRoughLanes<F> {
-    /// The lobes seen at these cosines, where `active`; as [`super::Bsdf::metal_rough`].
+    /// The lobes seen from `wo` in the shading frames, where `active`; as [`super::Bsdf::metal_rough`], and below a clear coat as
+    /// [`super::Bsdf::layered`].
     #[inline(always)]
-    pub fn lobes<L: Lanes<F = F, M = F::Mask, U = F::Words>>(&self, l: L, cos_o: F, active: L::M) -> RoughLanes<F> {
+    pub fn lobes<L: Lanes<F = F, M = F::Mask, U = F::Words>>(
+        &self,
+        l: L,
+        wo: V3<F>,
+        active: L::M,
+        coat: Option<&ClearCoatLanes<F>>,
+    ) -> RoughLanes<F> {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
-        let cos_o = unit(cos_o);
+        let cos_o = unit(wo.z);
         let roughness = unit(self.roughness);
         let alpha = roughness * roughness;
         let smooth = alpha.ge(l.splat(SMALLEST_ALPHA));
@@ -55,8 +63,14 @@ impl<F: Floats> MetalRoughLanes<F> {
         let f90 = dielectric.f90 * not_metal + metal.f90 * metallic;
         let seen = below * not_metal + own * metallic;
         let left = (one - below.max_element()).max(zero);
-        let diffuse = colour * (not_metal * (one - transmission) * left);
-        let tint = colour * (not_metal * transmission * left);
+        let mut diffuse = colour * (not_metal * (one - transmission) * left);
+        let mut tint = colour * (not_metal * transmission * left);
+        let (mut f0, mut f90, mut seen, mut above) = (f0, f90, seen, None);
+        if let Some(coat) = coat {
+            let (lobe, below) = coat.lobes(l, wo, active);
+            (f0, f90, seen) = (f0 * below, f90 * below, seen * below);
+            (diffuse, tint, above) = (diffuse * below, tint * below, Some(lobe));
+        }
 
         let largest = V3::new(f0.x.max(f90.x), f0.y.max(f90.y), f0.z.max(f90.z));
         let reflection = luminance(seen).max(luminance(largest) * 0.01);
@@ -64,10 +78,16 @@ impl<F: Floats> MetalRoughLanes<F> {
         let diffuse_share = diffuse_share.only(active & diffuse_share.gt(zero));
         let reflection = reflection.only(active & reflection.gt(zero));
         let wall_share = wall_share.only(active & wall_share.gt(zero));
-        let total = diffuse_share + reflection + wall_share;
+        let mut total = diffuse_share + reflection + wall_share;
+        if let Some(coat) = &above {
+            total = total + coat.share;
+        }
         let scatters = total.gt(zero);
         let total = L::F::select(scatters, total, one);
         let shares = [diffuse_share / total, reflection / total, wall_share / total];
+        if let Some(coat) = &mut above {
+            coat.share = coat.share / total;
+        }
         let tint = V3::select(smooth, tint * (one / (albedo.a + albedo.b)), tint);
         RoughLanes {
             albedo: diffuse,
@@ -80,6 +100,7 @@ impl<F: Floats> MetalRoughLanes<F> {
             reflects: shares[1].gt(zero).any(),
             transmits: shares[2].gt(zero).any(),
             peaks: (scatters & !smooth & !(shares[1] + shares[2]).eq(zero)).any(),
+            coat: above,
         }
     }
 }
@@ -106,14 +127,14 @@ fn compensated<F: Floats>(albedo: &GgxAlbedoLanes<F>, term: Term<F>, smooth: F::
 
 /// One channel of [`super::albedo::GgxAlbedo::compensation`].
 #[inline(always)]
-fn multiple<F: Floats>(f: F, mean: F, missing: F) -> F {
+pub(super) fn multiple<F: Floats>(f: F, mean: F, missing: F) -> F {
     let one = f.fill(1.0);
     f * mean / (one - f * (one - mean)) * missing + 1.0
 }
 
 /// As [`super::colour::unit`].
 #[inline(always)]
-fn unit<F: Floats>(x: F) -> F {
+pub(super) fn unit<F: Floats>(x: F) -> F {
     x.max(x.fill(0.0)).min(x.fill(1.0))
 }
 

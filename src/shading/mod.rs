@@ -7,6 +7,7 @@
 mod albedo;
 mod anisotropic;
 mod coat;
+mod coat_lanes;
 mod colour;
 mod dielectric;
 mod fresnel;
@@ -41,6 +42,7 @@ mod model_tests;
 #[cfg(test)]
 mod test_support;
 
+pub use coat_lanes::ClearCoatLanes;
 pub use glass_lanes::{Glass, GlassLanes, GlassSample};
 pub use lanes::{RoughLanes, RoughSample};
 pub use layered::LayerParams;

@@ -4,8 +4,10 @@ use super::surface::Fetch;
 use crate::geometry::TexturesLanes;
 use crate::lanes::{Floats, Lanes, Mask, V3, Words};
 use crate::prepare::PreparedScene;
-use crate::shading::MetalRoughLanes;
-use kiln_formats::scene::{Channel, ColorInput, Material, MetalRough, ScalarInput, Surface, TextureRef};
+use crate::shading::{ClearCoatLanes, MetalRoughLanes};
+use kiln_formats::scene::{
+    Channel, ColorInput, Layers, Material, MetalRough, NormalMap, ScalarInput, Surface, TextureRef,
+};
 
 /// What materials say at sixteen points.
 pub(super) struct Look<L: Lanes> {
@@ -16,6 +18,17 @@ pub(super) struct Look<L: Lanes> {
     pub mapped: L::M,
     /// Where the normal has to be such that the mirror image of the viewer's direction is above the surface.
     pub bends: L::M,
+    /// Clear coats, where there may be any.
+    pub coat: Option<CoatLook<L>>,
+}
+
+/// What materials say of their clear coats; their normals are still what the base has without its map.
+pub(super) struct CoatLook<L: Lanes> {
+    pub params: ClearCoatLanes<L::F>,
+    /// As [`Look::texel`].
+    pub texel: V3<L::F>,
+    /// Where the coat has a normal map of its own.
+    pub mapped: L::M,
 }
 
 /// Inputs of a material, in this order.
@@ -44,9 +57,16 @@ fn references<'a>(material: &'a Material, m: &'a MetalRough) -> [Option<&'a Text
 }
 
 impl<L: Lanes> Look<L> {
-    /// Of the materials that were fetched, where `active`; textures and colours only where `textured`.
+    /// Of the materials that were fetched, where `active`; textures and colours only where `textured`, clear coats if `coated`.
     #[inline(always)]
-    pub fn new(l: L, prepared: &PreparedScene, fetch: &Fetch, width: L::F, active: L::M, textured: L::M) -> Self {
+    pub fn new(
+        l: L,
+        prepared: &PreparedScene,
+        fetch: &Fetch,
+        width: L::F,
+        [active, textured]: [L::M; 2],
+        coated: bool,
+    ) -> Self {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let mut look = Self {
             params: MetalRoughLanes {
@@ -61,6 +81,7 @@ impl<L: Lanes> Look<L> {
             texel: V3::new(zero, zero, one),
             mapped: l.mask(0),
             bends: l.mask(0),
+            coat: if coated { Some(CoatLook::none(l)) } else { None },
         };
         let textures = if textured.any() { Some(fetch.textures(l, prepared, width)) } else { None };
         let ids = l.load_words(&fetch.material);
@@ -73,6 +94,9 @@ impl<L: Lanes> Look<L> {
             let material = &prepared.scene.materials[id as usize];
             if let Surface::MetalRough(m) = &material.surface {
                 look.take(l, material, m, textures.as_ref(), here);
+                if let (Some(coat), Some(layers)) = (&mut look.coat, &m.layers) {
+                    coat.take(l, material, layers, textures.as_ref(), here);
+                }
             }
         }
         if textures.is_some() {
@@ -103,14 +127,54 @@ impl<L: Lanes> Look<L> {
         p.transmission = L::F::select(here, scalar(l, &m.transmission, &texels[TRANSMISSION]), p.transmission);
         p.ior = L::F::select(here, l.splat(m.ior), p.ior);
         if let Some(map) = &material.normal_map {
-            let [x, y, z, _] = texels[NORMAL];
-            let (x, y) = ((x * 2.0 - 1.0) * map.scale, (y * 2.0 - 1.0) * map.scale);
-            self.texel = V3::select(here, V3::new(x, y, z * 2.0 - 1.0), self.texel);
+            self.texel = V3::select(here, scaled::<L>(map, &texels[NORMAL]), self.texel);
             self.mapped = self.mapped | here;
             let metal = if m.ior == 0.0 { here } else { here & p.metallic.ge(l.splat(0.5)) };
             self.bends = self.bends | metal;
         }
     }
+}
+
+impl<L: Lanes> CoatLook<L> {
+    /// No coat anywhere.
+    #[inline(always)]
+    fn none(l: L) -> Self {
+        let (zero, one) = (l.splat(0.0), l.splat(1.0));
+        let up = V3::new(zero, zero, one);
+        let params = ClearCoatLanes { strength: zero, roughness: one, normal: up, own: l.mask(0), layered: l.mask(0) };
+        Self { params, texel: up, mapped: l.mask(0) }
+    }
+
+    /// Takes what one material's layers say, where `here`.
+    #[inline(always)]
+    fn take(&mut self, l: L, material: &Material, layers: &Layers, textures: Option<&TexturesLanes<L>>, here: L::M) {
+        let p = &mut self.params;
+        let mut inputs = [l.splat(1.0); 2];
+        for (value, input) in inputs.iter_mut().zip([&layers.clearcoat, &layers.clearcoat_roughness]) {
+            let texel = match (&input.texture, textures) {
+                (Some(reference), Some(textures)) if input.factor != 0.0 => textures.lookup(l, reference, here),
+                _ => [*value; 4],
+            };
+            *value = scalar(l, input, &texel);
+        }
+        p.strength = L::F::select(here, inputs[0], p.strength);
+        p.roughness = L::F::select(here, inputs[1], p.roughness);
+        p.layered = p.layered | here;
+        if layers.clearcoat_normal_map != material.normal_map {
+            p.own = p.own | here;
+            if let (Some(map), Some(textures)) = (&layers.clearcoat_normal_map, textures) {
+                let texel = textures.lookup(l, &map.texture, here);
+                self.texel = V3::select(here, scaled::<L>(map, &texel), self.texel);
+                self.mapped = self.mapped | here;
+            }
+        }
+    }
+}
+
+/// What a normal map says: between −1 and 1, and scaled.
+#[inline(always)]
+fn scaled<L: Lanes>(map: &NormalMap, [x, y, z, _]: &[L::F; 4]) -> V3<L::F> {
+    V3::new((*x * 2.0 - 1.0) * map.scale, (*y * 2.0 - 1.0) * map.scale, *z * 2.0 - 1.0)
 }
 
 /// As `textures::color`, with a texel of ones where there is no texture.

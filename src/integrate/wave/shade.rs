@@ -110,9 +110,10 @@ impl Wave<'_> {
             return (surface, RoughLanes::lambert(albedo));
         }
         let textured = l.mask(sorted.textured);
-        let look =
-            if rough.any() { Some(Look::new(l, self.course.prepared, fetch, width, rough, textured)) } else { None };
-        let mut bends = glass;
+        let (prepared, coated) = (self.course.prepared, sorted.coated != 0);
+        let mut look =
+            if rough.any() { Some(Look::new(l, prepared, fetch, width, [rough, textured], coated)) } else { None };
+        let (mut bends, unmapped) = (glass, normal);
         if let Some(look) = &look {
             if look.mapped.any() {
                 let mapped = mapped_normal(normal, fetch.tangent(l), look.texel);
@@ -126,8 +127,18 @@ impl Wave<'_> {
         let shading = reflecting_normal(bends, visible, surface.normal, -dir);
         surface.turn(V3::select(rough | glass, shading, surface.normal), dir);
         let diffuse = l.mask(sorted.lanes) & !(rough | glass);
+        if let Some(coat) = look.as_mut().and_then(|look| look.coat.as_mut()) {
+            let mapped = V3::select(coat.mapped, mapped_normal(unmapped, fetch.tangent(l), coat.texel), unmapped);
+            let own = surface.frame.to_local(visible_normal(mapped, surface.normal, -dir)).normalized();
+            coat.params.normal = V3::select(coat.params.own, own, coat.params.normal);
+            let turned = !(own.x.eq(l.splat(0.0)) & own.y.eq(l.splat(0.0)) & own.z.eq(l.splat(1.0)));
+            coat.params.own = coat.params.own & turned;
+        }
         let lobes = match &look {
-            Some(look) => look.params.lobes(l, surface.wo.z, rough).or_lambert(diffuse, albedo),
+            Some(Look { params, coat, .. }) => {
+                let coat = coat.as_ref().map(|coat| &coat.params);
+                params.lobes(l, surface.wo, rough, coat).or_lambert(diffuse, albedo)
+            }
             None => RoughLanes::lambert(albedo).only(diffuse),
         };
         surface.lower(lobes.transmits_smoothly());
@@ -153,7 +164,7 @@ impl Wave<'_> {
             let active = l.mask(sorted.lanes) & (lobes.scatters() | glass);
             let mut throughput = vector::<L>(&floats, path::THROUGHPUT);
             if self.memory.reuse.is_some() {
-                let lit = active & lobes.has_smooth() & !glass;
+                let lit = active & lobes.has_smooth() & !(glass | lobes.coated());
                 match depth {
                     0 => self.keep_first(l, at, lit, &surface, &lobes, throughput),
                     1 => throughput = self.keep_second(l, at, lit, &surface, &lobes, throughput),
@@ -167,7 +178,7 @@ impl Wave<'_> {
                 self.sample_lights(l, depth, lit, &surface, &carried);
             }
             let u = samplers.get_2d(depth, Purpose::Direction);
-            let chosen = lobes.reflects | lobes.transmits | glass.any();
+            let chosen = lobes.chooses() | glass.any();
             let u_lobe = if chosen { samplers.get_1d(depth, Purpose::Lobe) } else { zero };
             let RoughSample { wi: mut local, mut weight, mut pdf, mut delta } = lobes.sample(surface.wo, u_lobe, u);
             let mut through = glass & !glass;

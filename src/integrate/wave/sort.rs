@@ -22,6 +22,8 @@ pub(super) struct Sorted {
     pub rough: u32,
     /// Those among these that have textures or colours.
     pub textured: u32,
+    /// Those among these that may have a clear coat.
+    pub coated: u32,
     /// Those among the first that are smooth glass.
     pub glass: u32,
     /// They have been visited, and go on.
@@ -42,7 +44,7 @@ impl Wave<'_> {
         let course = self.course;
         let prepared = course.prepared;
         let lanes_can = course.lanes_can();
-        let mut sorted = Sorted { lanes: 0, smooth: 0, rough: 0, textured: 0, glass: 0, visited: 0 };
+        let mut sorted = Sorted { lanes: 0, smooth: 0, rough: 0, textured: 0, coated: 0, glass: 0, visited: 0 };
         // In a loop of its own, so that what is not in the cache comes for all of them at once.
         let mut parts = [0; LANES];
         for (part, triangle) in parts.iter_mut().zip(&self.memory.hits.words(hit::TRIANGLE)[at..at + count]) {
@@ -109,6 +111,7 @@ impl Wave<'_> {
                         fetch.put_look(lane, &geometry.texturing(&prepared.scene, triangle, b, part.mapped));
                         sorted.textured |= 1 << lane;
                     }
+                    sorted.coated |= u32::from(part.coated) << lane;
                     fetch.material[lane] = geometry.material(&prepared.scene, triangle);
                     sorted.rough |= 1 << lane;
                 }

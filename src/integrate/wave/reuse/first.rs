@@ -124,6 +124,7 @@ impl<L: Lanes> First<L> {
             transmits: any(shares[2]),
             // Delta distributions stay the path's own.
             peaks: false,
+            coat: None,
         };
         Self { surface, lobes, throughput: vector(THROUGHPUT), takes_part }
     }

@@ -41,7 +41,7 @@ impl Wave<'_> {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let pdf = memory.paths.load(l, path::PDF, at);
         let [diffuse, reflection, wall] = lobes.shares;
-        let only_diffuse = diffuse.gt(zero) & reflection.eq(zero) & wall.eq(zero);
+        let only_diffuse = diffuse.gt(zero) & reflection.eq(zero) & wall.eq(zero) & !lobes.coated();
         let fits = lit & surface.steady & only_diffuse & pdf.gt(zero);
         if fits.none() {
             return throughput;
