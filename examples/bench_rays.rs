@@ -98,6 +98,7 @@ fn stream(tree: &KdTree, rays: &[Ray], any: bool, coherence: Coherence) -> Pass 
             dir: [0, 1, 2].map(|axis| &dir[axis][range.clone()]),
             t_max: &t_max[range],
             reaches: &[],
+            leaves: &[],
         };
         if any {
             tree.occluded_batch(&batch, coherence, &mut blocked[..n]);

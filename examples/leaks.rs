@@ -37,7 +37,7 @@ fn leaks(tree: &KdTree, soup: &meshes::Soup, seed: u64, inside: impl Fn(&mut Ran
     }
     let [ox, oy, oz, dx, dy, dz] = &rows;
     let t_max = [f32::INFINITY; BATCH];
-    let rays = RayBatch { origin: [ox, oy, oz], dir: [dx, dy, dz], t_max: &t_max, reaches: &[] };
+    let rays = RayBatch { origin: [ox, oy, oz], dir: [dx, dy, dz], t_max: &t_max, reaches: &[], leaves: &[] };
     let (mut t, mut b1, mut b2, mut triangle) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH], [0; BATCH]);
     let mut hits = HitBatch { t: &mut t, b1: &mut b1, b2: &mut b2, triangle: &mut triangle };
     tree.closest_batch(&rays, Coherence::Scattered, &mut hits);

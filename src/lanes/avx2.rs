@@ -201,6 +201,11 @@ impl Floats for Floats256 {
     }
 
     #[inline(always)]
+    fn estimate_mul_add(self, factor: Self, term: Self) -> Self {
+        both!(Floats256, |a = self, b = factor, c = term| _mm256_fmadd_ps(a, b, c))
+    }
+
+    #[inline(always)]
     fn abs(self) -> Self {
         both!(Floats256, |a = self| _mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
     }

@@ -202,6 +202,11 @@ impl Floats for Floats512 {
     }
 
     #[inline(always)]
+    fn estimate_mul_add(self, factor: Self, term: Self) -> Self {
+        floats!(_mm512_fmadd_ps(self.0, factor.0, term.0))
+    }
+
+    #[inline(always)]
     fn abs(self) -> Self {
         floats!(_mm512_abs_ps(self.0))
     }

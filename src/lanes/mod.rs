@@ -3,7 +3,8 @@
 //! [`Lanes`] is a token that proves that the machine has the instructions; numbers come from it and from each other, so
 //! that code in lanes is safe code. Operations are those that IEEE 754 rounds exactly (+ − × ÷ √, comparisons, truncation
 //! to integers) and whole-number ones; nothing is fused, and what else is needed is made of polynomials
-//! ([`functions`]). So all tiers give the same bits, which `tests` check.
+//! ([`functions`]). So all tiers give the same bits, which `tests` check. The one exception bears it in its name:
+//! [`Floats::estimate_mul_add`].
 //!
 //! Code in lanes is generic over [`Lanes`], every function `#[inline(always)]`, and entered through [`AnyLanes::run`]: only
 //! there the instructions are switched on, and what is not inlined into it would be compiled without them: slow code, every
@@ -93,6 +94,9 @@ pub trait Floats:
     fn max(self, other: Self) -> Self;
     /// Without the sign.
     fn abs(self) -> Self;
+    /// About `self * factor + term`: rounded once or twice, as it is fastest. **Not the same bits in all tiers**: for estimates
+    /// whose error is bounded and which nothing that is kept depends on.
+    fn estimate_mul_add(self, factor: Self, term: Self) -> Self;
     /// The largest whole number that is not greater.
     fn floor(self) -> Self;
     /// `self < other`; false for what is not a number, like all comparisons.

@@ -135,6 +135,11 @@ impl Floats for PlainFloats {
     }
 
     #[inline(always)]
+    fn estimate_mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
+
+    #[inline(always)]
     fn abs(self) -> Self {
         Self(self.0.map(f32::abs))
     }

@@ -44,6 +44,7 @@ impl Columns {
                 dir: [0, 1, 2].map(|axis| &self.dir[axis][rows.clone()]),
                 t_max: &self.t_max[rows],
                 reaches: &[],
+                leaves: &[],
             };
             if any_hit {
                 tree.occluded_batch(&batch, Coherence::Scattered, &mut blocked[..n]);

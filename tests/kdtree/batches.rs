@@ -20,7 +20,7 @@ impl Columns {
 
     fn batch(&self) -> RayBatch<'_> {
         let [origin, dir] = [&self.origin, &self.dir].map(|rows| [&rows[0][..], &rows[1][..], &rows[2][..]]);
-        RayBatch { origin, dir, t_max: &self.t_max, reaches: &self.reaches }
+        RayBatch { origin, dir, t_max: &self.t_max, reaches: &self.reaches, leaves: &[] }
     }
 }
 

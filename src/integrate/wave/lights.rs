@@ -74,6 +74,8 @@ impl Chosen {
 pub(super) struct Carried<L: Lanes> {
     pub throughput: V3<L::F>,
     pub slot: L::U,
+    /// The triangle that its rays leave, where that is behind them.
+    pub leaves: L::U,
     pub samplers: PathSamplers<L>,
     /// How the vertex scatters.
     pub lobes: RoughLanes<L::F>,
@@ -150,8 +152,8 @@ impl Wave<'_> {
             let t_max = L::F::select(infinite, l.splat(f32::INFINITY), one);
             let [o, d, e] = [out.origin.components(), dir.components(), light.components()];
             let floats = [o[0], o[1], o[2], d[0], d[1], d[2], t_max, e[0], e[1], e[2]];
-            let words = [carried.slot, chosen.triangle, l.word(k + 1)];
-            const { assert!(shadow::LIGHT == 7 && shadow::DRAW == 2) };
+            let words = [carried.slot, chosen.triangle, l.word(k + 1), carried.leaves];
+            const { assert!(shadow::LIGHT == 7 && shadow::DRAW == 2 && shadow::LEAVES == 3) };
             let shadows = &mut self.memory.shadows;
             shadows.store::<L>(shadows.len, open, floats, words);
             shadows.len += open.count();

@@ -28,6 +28,7 @@ use super::tile::{SIDE, Tile};
 use super::walk::{Course, Sent, Walk};
 use super::{View, camera_ray};
 use crate::lighting::{LightRoom, Receiver};
+use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
 use glam::Vec3;
@@ -61,7 +62,9 @@ mod path {
     pub const FLAGS: usize = 1;
     pub const KEY: usize = 2;
     pub const INDEX: usize = 3;
-    pub const WORDS: usize = 4;
+    /// Triangle that the path has left, and that is behind it; or none that is known.
+    pub const LEAVES: usize = 4;
+    pub const WORDS: usize = 5;
 
     /// The receiver takes light from both sides.
     pub const BOTH_SIDES: u32 = 1;
@@ -91,7 +94,9 @@ mod shadow {
     pub const REACHES: usize = 1;
     /// Number of the light sample at its vertex, from 1.
     pub const DRAW: usize = 2;
-    pub const WORDS: usize = 3;
+    /// Triangle that it leaves, and that is behind it; or none that is known.
+    pub const LEAVES: usize = 3;
+    pub const WORDS: usize = 4;
 }
 
 /// What a path has beside its rows, at its slot.
@@ -333,6 +338,7 @@ impl Memory {
             flags |= path::INSIDE;
         }
         rows.set_word(path::FLAGS, at, flags);
+        rows.set_word(path::LEAVES, at, NO_TRIANGLE);
         self.slots[rows.word(path::SLOT, at) as usize].inside = walk.inside;
     }
 }

@@ -173,7 +173,10 @@ impl Wave<'_> {
             }
             let both_sides = lobes.transmits_smoothly();
             let lit = active & lobes.has_smooth() & !glass;
-            let carried = Carried { throughput, slot: words[path::SLOT], samplers, lobes, both_sides };
+            // Rays that begin above their triangle may meet it.
+            let triangle = self.memory.hits.load_words(l, hit::TRIANGLE, at);
+            let leaves = L::U::select(surface.lifted, l.word(NO_TRIANGLE), triangle);
+            let carried = Carried { throughput, slot: words[path::SLOT], leaves, samplers, lobes, both_sides };
             if self.course.prepared.lights.any(self.course.reach) && lit.any() {
                 self.sample_lights(l, depth, lit, &surface, &carried);
             }
@@ -231,6 +234,7 @@ impl Wave<'_> {
                 flags = L::U::select(in_glass, l.load_words(&own), flags);
             }
             words[path::FLAGS] = L::U::select(active, flags, words[path::FLAGS]);
+            words[path::LEAVES] = L::U::select(active, leaves, words[path::LEAVES]);
             self.tile.tally.rays.bounce += on.count() as u64;
             goes_on = goes_on | on;
         }

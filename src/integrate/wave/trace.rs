@@ -17,6 +17,7 @@ impl Wave<'_> {
             dir: paths.vectors(path::DIR),
             t_max: &endless[..paths.len],
             reaches: &[],
+            leaves: if depth == 0 { &[] } else { paths.words(path::LEAVES) },
         };
         let (coherence, eye) = if depth == 0 { (Coherence::Coherent, true) } else { (Coherence::Scattered, false) };
         if prepared.asks.covers || (eye && prepared.asks.culls) {
@@ -51,6 +52,7 @@ impl Wave<'_> {
             dir: shadows.vectors(shadow::DIR),
             t_max: shadows.floats(shadow::T_MAX),
             reaches: shadows.words(shadow::REACHES),
+            leaves: shadows.words(shadow::LEAVES),
         };
         let slot = shadows.words(shadow::SLOT);
         let blocked = &mut blocked[..shadows.len];

@@ -110,6 +110,7 @@ impl Wave<'_> {
             shadows.set_word(shadow::SLOT, to, slot);
             shadows.set_word(shadow::REACHES, to, reaches.unwrap_or(NO_TRIANGLE));
             shadows.set_word(shadow::DRAW, to, k + 1);
+            shadows.set_word(shadow::LEAVES, to, NO_TRIANGLE);
             shadows.len += 1;
         }
     }

@@ -16,7 +16,7 @@ const PACKETS_IF_COHERENT: u64 = 1 << 16;
 /// Trees of up to so many references are walked in packets by any rays.
 const PACKETS_IF_SCATTERED: u64 = 48;
 
-/// Rays side by side. All slices are equally long, but `reaches` may be empty when no ray has such a triangle.
+/// Rays side by side. All slices are equally long, but `reaches` and `leaves` may be empty when no ray has such a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct RayBatch<'a> {
     /// Where the rays begin: x, y, z.
@@ -27,6 +27,9 @@ pub struct RayBatch<'a> {
     pub t_max: &'a [f32],
     /// The triangle that each ray ends on and that does not count as met, or [`NO_TRIANGLE`].
     pub reaches: &'a [u32],
+    /// The triangle that each ray begins on, or [`NO_TRIANGLE`]: its plane is behind the ray's origin, which was moved off it
+    /// to the side where the ray goes. It would not be met; who knows need not look.
+    pub leaves: &'a [u32],
 }
 
 /// What rays found, in slices as long as their batch. On a miss the triangle is [`NO_TRIANGLE`], the distance where the ray ends,
@@ -61,7 +64,7 @@ impl RayBatch<'_> {
     pub fn len(&self) -> usize {
         let n = self.t_max.len();
         assert!(self.origin.iter().chain(&self.dir).all(|row| row.len() == n), "rows of a batch are equally long");
-        assert!(self.reaches.is_empty() || self.reaches.len() == n);
+        assert!([self.reaches, self.leaves].iter().all(|row| row.is_empty() || row.len() == n));
         n
     }
 

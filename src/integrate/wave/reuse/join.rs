@@ -112,6 +112,7 @@ impl Wave<'_> {
             dir: pairs.vectors(pair::DIR),
             t_max: &ones[..pairs.len],
             reaches: pairs.words(pair::REACHES),
+            leaves: &[],
         };
         let slot = pairs.words(pair::SLOT);
         let blocked = &mut blocked[..pairs.len];

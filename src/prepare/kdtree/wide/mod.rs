@@ -16,6 +16,9 @@ pub mod node;
 pub mod packet;
 mod packet_exact;
 mod packet_lanes;
+mod packet_lines;
+#[cfg(test)]
+mod packet_lines_tests;
 pub mod scalar;
 pub mod stack;
 pub mod stream;

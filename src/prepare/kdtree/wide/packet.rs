@@ -1,15 +1,15 @@
 //! Sixteen rays side by side through the same nodes: for scenes of few triangles, and for rays that go like ways.
 //!
 //! A packet goes where any of its rays goes. Each box and each triangle is tested against all rays at once, in f32 with bounds
-//! on the error: what is certain by them needs nothing else, and the rest is decided exactly, as everywhere
-//! ([`super::packet_exact`]). So is, in the end, where the nearest triangle is met.
+//! on the error ([`super::packet_lines`]): what is certain by them needs nothing else, and the rest is decided exactly, as
+//! everywhere ([`super::packet_exact`]). So is, in the end, where the nearest triangle is met.
 
 use super::super::batch::RayBatch;
-use super::super::block::Block;
 use super::super::split::MAX_DEPTH;
 use super::node::{Child, WIDTH};
 use super::packet_exact::Met;
 use super::packet_lanes::Packet;
+use super::packet_lines::{Lines, LinesOfBlocks};
 use super::{AnyKernel, WideTree};
 use crate::lanes::{LANES, Lanes, Mask, Work};
 use crate::math::Hit;
@@ -45,8 +45,9 @@ where
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
+        let mut lines = LinesOfBlocks::new(self.tree.nodes);
         for first in (0..self.rays.len()).step_by(LANES) {
-            self.packet(l, first);
+            self.packet(l, &mut lines, first);
         }
     }
 }
@@ -57,7 +58,7 @@ where
     Found: FnMut(usize, Option<Hit>),
 {
     #[inline(always)]
-    fn packet<L: Lanes>(&mut self, l: L, first: usize) {
+    fn packet<L: Lanes>(&mut self, l: L, lines: &mut LinesOfBlocks, first: usize) {
         let count = LANES.min(self.rays.len() - first);
         let mut packet = Packet::new(l, self.rays, first);
         let members = packet.plain & ((1 << count) - 1);
@@ -93,7 +94,9 @@ where
                 }
                 Child::Leaf(leaf) => {
                     for block in self.tree.leaves.blocks(leaf) {
-                        let ended = self.test(l, &mut packet, &block, entering & alive, first);
+                        let lines = lines.of(l, &block);
+                        packet.turn_to(l, lines);
+                        let ended = self.test(l, &mut packet, lines, entering & alive, first);
                         alive &= !ended;
                     }
                 }
@@ -117,30 +120,22 @@ where
 
     /// Tests a block; with `ANY`, gives the rays that met something.
     #[inline(always)]
-    fn test<L: Lanes>(&mut self, l: L, packet: &mut Packet<L>, block: &Block, rays: u32, first: usize) -> u32 {
+    fn test<L: Lanes>(&mut self, l: L, packet: &mut Packet<L>, lines: &Lines, rays: u32, first: usize) -> u32 {
         let mut going = l.mask(rays);
-        for i in 0..block.len {
-            let triangle = l.word(block.triangle(i));
-            let [a, b, c] = block.corners(i);
-            let corners = [packet.sheared(l, a), packet.sheared(l, b), packet.sheared(l, c)];
-            let Some(seen) = packet.candidates(l, &corners) else { continue };
-            let possible = seen.possible & going & !packet.bars(triangle);
-            if possible.none() {
-                continue;
-            }
-            let sure = if ALL { possible & seen.sure } else { l.mask(0) };
-            if sure.any() {
-                packet.take_sure::<ANY>(l, sure, &corners, triangle, &seen);
-            }
-            let open = possible & !sure;
+        let between = packet.between(l, lines, rays);
+        let mut triangles = between.triangles;
+        while triangles != 0 {
+            let i = triangles.trailing_zeros() as usize % LANES;
+            triangles &= triangles - 1;
+            let [sure, open] = packet.meet::<ANY, ALL>(l, going, &between, (lines, i));
             let mut better = l.mask(0);
             if open.any() {
-                let met = Met::new(l, &corners, &packet.inv_dir_z, triangle);
+                let met = packet.meet_exactly(l, lines, i);
                 better = packet.better(l, open, &met);
                 if !ALL {
                     better = l.mask(self.stopping(better.bits(), first, &met));
                 }
-                packet.take(l, better, &corners, triangle, &met);
+                packet.take::<ANY>(l, better, &met, lines, i);
             }
             if ANY {
                 going = going & !(sure | better);

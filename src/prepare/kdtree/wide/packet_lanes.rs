@@ -4,47 +4,32 @@ use super::super::batch::{NO_TRIANGLE, RayBatch};
 use super::super::slab::{self, GROWTH};
 use super::node::WideNode;
 use super::packet_exact::Met;
+use super::packet_lines::{Between, Frame, Lines, surely_ahead};
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
-
-/// See `avx512::candidates`: what is left out lies certainly behind a ray's origin or beyond its nearest hit.
-const ERROR: f32 = 8.0 / 16_777_216.0;
-/// A little for what underflow takes away.
-const UNDERFLOW: f32 = 1e-30;
-/// What is surely before a ray's origin: its distance is a positive number in f32 for any direction of usual length.
-const SURELY_BEFORE: f32 = 1e-20;
 
 /// Rays in lanes.
 pub struct Packet<L: Lanes> {
     origin: V3<L::F>,
+    dir: V3<L::F>,
     inv: V3<L::F>,
     negative: [L::M; 3],
     /// Along which axes the directions are longest: x, y.
     along: [L::M; 2],
     shear: [L::F; 2],
-    dir_z: L::F,
-    /// Reciprocals of `dir_z`.
-    pub inv_dir_z: [f64; LANES],
+    /// Reciprocals of the directions' longest components.
+    inv_dir_z: [f64; LANES],
+    /// The rays as the lines of a block see them.
+    frame: Frame<L>,
     /// Rays of usual length, parallel to no axis; the others mean nothing.
     pub plain: u32,
-    /// What a ray leaves and what it reaches.
-    barred: L::U,
-    /// The nearest triangles so far, with their corners, sheared; or [`NO_TRIANGLE`].
+    /// What a ray reaches, and what it leaves.
+    barred: [L::U; 2],
+    /// The nearest triangles so far, with their corners; or [`NO_TRIANGLE`].
     triangle: L::U,
-    corners: [[L::F; 3]; 3],
+    corners: [V3<L::F>; 3],
     /// Bounds on the distance of that hit, or where the ray ends.
     low: L::F,
     high: L::F,
-}
-
-/// What f32 says of sixteen rays and a triangle.
-pub struct Seen<L: Lanes> {
-    /// May meet it, nearer than what they met so far: at least all that do.
-    pub possible: L::M,
-    /// Meet it nearer, for certain.
-    pub sure: L::M,
-    /// Bounds on numerator and denominator of the distance.
-    numerator: [L::F; 2],
-    denominator: [L::F; 2],
 }
 
 impl<L: Lanes> Packet<L> {
@@ -70,16 +55,17 @@ impl<L: Lanes> Packet<L> {
         }
         Self {
             origin,
+            dir,
             inv: V3::new(one / dir.x, one / dir.y, one / dir.z),
             negative: [dir.x.lt(zero), dir.y.lt(zero), dir.z.lt(zero)],
             along,
             shear: [x / z, y / z],
-            dir_z: z,
             inv_dir_z,
+            frame: Frame::none(l),
             plain: plain.bits(),
-            barred: words(l, rays.reaches, first),
+            barred: [words(l, rays.reaches, first), words(l, rays.leaves, first)],
             triangle: l.word(NO_TRIANGLE),
-            corners: [[zero; 3]; 3],
+            corners: [V3::splat(zero); 3],
             low: t_max,
             high: t_max,
         }
@@ -110,61 +96,58 @@ impl<L: Lanes> Packet<L> {
         (enter.le(leave * GROWTH) & enter.le(limit)).bits()
     }
 
-    /// Which rays a triangle does not count for.
+    /// Makes the rays count from where the lines of a block do.
     #[inline(always)]
-    pub fn bars(&self, triangle: L::U) -> L::M {
-        triangle.eq(self.barred)
+    pub fn turn_to(&mut self, l: L, lines: &Lines) {
+        self.frame.turn_to(l, lines, self.origin, self.dir);
     }
 
-    /// What can be said of a triangle of these sheared corners; `None` if no ray meets it.
-    ///
-    /// An edge function that is not zero in f32 has the right sign. The bounds on the distance are those of
-    /// `avx512::candidates`, on both sides.
+    /// What the edges of triangles tell of some of the rays.
     #[inline(always)]
-    pub fn candidates(&self, l: L, corners: &[[L::F; 3]; 3]) -> Option<Seen<L>> {
-        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = *corners;
-        let (u, u_size) = edge(cx, cy, bx, by);
-        let (v, v_size) = edge(ax, ay, cx, cy);
-        let (w, w_size) = edge(bx, by, ax, ay);
-        let zero = l.splat(0.0);
-        let (least, most) = (u.min(v).min(w), u.max(v).max(w));
-        let missed = least.lt(zero) & most.gt(zero);
-        if missed.all() {
-            return None;
-        }
-        let within = least.gt(zero) | most.lt(zero);
-        let along = u * az + v * bz + w * cz;
-        let size = (u_size * az.abs() + v_size * bz.abs() + w_size * cz.abs()) * ERROR + UNDERFLOW;
-        let det = u + v + w;
-        let det_error = (u_size + v_size + w_size) * ERROR;
-        // The distance's sign: that of z along the ray, of the numerator and of the denominator.
-        let behind = det.lt(zero) ^ self.dir_z.lt(zero);
-        let forward = L::F::select(behind, -along, along);
-        let numerator = [forward - size, forward + size];
-        let denominator = [(det.abs() - det_error) * self.dir_z.abs(), (det.abs() + det_error) * self.dir_z.abs()];
-        let out = missed | numerator[1].lt(zero) | (self.high * (1.0 + ERROR) * denominator[1]).lt(numerator[0]);
-        let nearer = numerator[1].lt(self.low * (1.0 - ERROR) * denominator[0]);
-        let sure = within & numerator[0].gt(l.splat(SURELY_BEFORE)) & nearer;
-        Some(Seen { possible: !out, sure: sure & !out, numerator, denominator })
+    pub fn between(&self, l: L, lines: &Lines, rays: u32) -> Between {
+        self.frame.between(l, lines, rays)
     }
 
-    /// Keeps a triangle as the nearest of the rays that surely meet it.
+    /// Of some rays, by what the edges of the i-th triangle of these lines tell, those that may meet it nearer than what they
+    /// met so far: at least all that do. With `ALL`, those of them that surely do are kept aside: they have met it.
     #[inline(always)]
-    pub fn take_sure<const ANY: bool>(
+    pub fn meet<const ANY: bool, const ALL: bool>(
         &mut self,
         l: L,
         rays: L::M,
-        corners: &[[L::F; 3]; 3],
-        triangle: L::U,
-        seen: &Seen<L>,
-    ) {
-        if !ANY {
-            let low = seen.numerator[0] / seen.denominator[1] * (1.0 - ERROR);
-            let high = seen.numerator[1] / seen.denominator[0] * (1.0 + ERROR);
-            self.low = L::F::select(rays, low, self.low);
-            self.high = L::F::select(rays, high, self.high);
+        between: &Between,
+        (lines, i): (&Lines, usize),
+    ) -> [L::M; 2] {
+        let triangle = l.word(lines.number(i));
+        let barred = triangle.eq(self.barred[0]) | triangle.eq(self.barred[1]);
+        let ([low, high], certain) = self.frame.distance(l, lines, i);
+        let behind = high.lt(l.splat(0.0)) | self.high.lt(low);
+        let open = rays & l.mask(between.possible[i]) & !(barred | certain & behind);
+        if !ALL {
+            return [l.mask(0), open];
         }
-        self.keep(l, rays, corners, triangle);
+        let ahead = surely_ahead(l, low) & high.lt(self.low);
+        let sure = open & certain & l.mask(between.sure[i]) & ahead;
+        if sure.any() {
+            if !ANY {
+                self.low = L::F::select(sure, low, self.low);
+                self.high = L::F::select(sure, high, self.high);
+            }
+            self.keep::<ANY>(l, sure, lines, i);
+        }
+        [sure, open & !sure]
+    }
+
+    /// Where rays' lines meet the i-th triangle of these lines.
+    #[inline(always)]
+    pub fn meet_exactly(&self, l: L, lines: &Lines, i: usize) -> Met {
+        self.exactly(l, lines.corners(l, i), l.word(lines.number(i)))
+    }
+
+    #[inline(always)]
+    fn exactly(&self, l: L, corners: [V3<L::F>; 3], triangle: L::U) -> Met {
+        let [a, b, c] = corners;
+        Met::new(l, &[self.sheared(a), self.sheared(b), self.sheared(c)], &self.inv_dir_z, triangle)
     }
 
     /// Of some rays those that meet a triangle before what they met so far, or at the same distance and the triangle has a
@@ -173,7 +156,7 @@ impl<L: Lanes> Packet<L> {
     pub fn better(&mut self, l: L, rays: L::M, met: &Met) -> L::M {
         let known = !self.triangle.eq(l.word(NO_TRIANGLE));
         if (rays & known & !self.low.eq(self.high)).any() {
-            let before = l.load(&Met::new(l, &self.corners, &self.inv_dir_z, self.triangle).t);
+            let before = l.load(&self.met(l).t);
             self.low = L::F::select(known, before, self.low);
             self.high = L::F::select(known, before, self.high);
         }
@@ -182,30 +165,31 @@ impl<L: Lanes> Packet<L> {
         rays & met.any(l) & t.gt(l.splat(0.0)) & (t.lt(self.high) | equal)
     }
 
-    /// Keeps a triangle as the nearest of rays by their hits.
+    /// Keeps the i-th triangle of these lines as the nearest of rays by their hits.
     #[inline(always)]
-    pub fn take(&mut self, l: L, rays: L::M, corners: &[[L::F; 3]; 3], triangle: L::U, met: &Met) {
+    pub fn take<const ANY: bool>(&mut self, l: L, rays: L::M, met: &Met, lines: &Lines, i: usize) {
         let t = l.load(&met.t);
         self.low = L::F::select(rays, t, self.low);
         self.high = L::F::select(rays, t, self.high);
-        self.keep(l, rays, corners, triangle);
+        self.keep::<ANY>(l, rays, lines, i);
     }
 
+    /// With `ANY`, nobody will ask for the corners.
     #[inline(always)]
-    fn keep(&mut self, l: L, rays: L::M, corners: &[[L::F; 3]; 3], triangle: L::U) {
-        let _ = l;
-        self.triangle = L::U::select(rays, triangle, self.triangle);
-        for (own, new) in self.corners.iter_mut().zip(corners) {
-            for (own, new) in own.iter_mut().zip(new) {
-                *own = L::F::select(rays, *new, *own);
-            }
+    fn keep<const ANY: bool>(&mut self, l: L, rays: L::M, lines: &Lines, i: usize) {
+        self.triangle = L::U::select(rays, l.word(lines.number(i)), self.triangle);
+        if ANY {
+            return;
+        }
+        for (own, corner) in self.corners.iter_mut().zip(lines.corners(l, i)) {
+            *own = V3::select(rays, corner, *own);
         }
     }
 
     /// Where the rays meet the nearest triangles.
     #[inline(always)]
     pub fn met(&self, l: L) -> Met {
-        Met::new(l, &self.corners, &self.inv_dir_z, self.triangle)
+        self.exactly(l, self.corners, self.triangle)
     }
 
     /// The triangles alone, for rays that only ask for one.
@@ -215,15 +199,10 @@ impl<L: Lanes> Packet<L> {
         Met { t: none, b1: none, b2: none, triangle: self.triangle.array() }
     }
 
-    /// What shearing makes of a corner.
+    /// What shearing makes of corners.
     #[inline(always)]
-    pub fn sheared(&self, l: L, corner: [f32; 3]) -> [L::F; 3] {
-        let at = V3::new(
-            l.splat(corner[0]) - self.origin.x,
-            l.splat(corner[1]) - self.origin.y,
-            l.splat(corner[2]) - self.origin.z,
-        );
-        let [x, y, z] = turn::<L>(self.along, at);
+    fn sheared(&self, corner: V3<L::F>) -> [L::F; 3] {
+        let [x, y, z] = turn::<L>(self.along, corner - self.origin);
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
 }
@@ -273,11 +252,4 @@ fn turn<L: Lanes>([along_x, along_y]: [L::M; 2], v: V3<L::F>) -> [L::F; 3] {
         L::F::select(along_x, z, L::F::select(along_y, x, y)),
         L::F::select(along_x, x, L::F::select(along_y, y, z)),
     ]
-}
-
-/// An edge function, and the sum of its two products' magnitudes.
-#[inline(always)]
-fn edge<F: Floats>(px: F, py: F, qx: F, qy: F) -> (F, F) {
-    let (one, other) = (px * qy, py * qx);
-    (one - other, one.abs() + other.abs())
 }
