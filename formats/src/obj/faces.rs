@@ -1,9 +1,8 @@
 //! Checks of `f` statements.
 
 use super::log::Log;
-use super::number::{Words, index, plain_corners};
+use super::number::{Words, index};
 use super::scan::{Counts, Deferred, Part, Scanner, short};
-use std::ops::Range;
 
 /// What becomes of one index of a corner.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -43,16 +42,8 @@ enum Verdict {
 
 impl Scanner<'_> {
     /// Takes a face statement.
-    pub(super) fn face(&mut self, line: u32, corners: &str, span: Option<Range<usize>>, log: &mut Log) {
-        if let Some(span) = span
-            && let Some((uvs, normals)) = self.plain(corners)
-        {
-            let part = self.part(uvs, normals);
-            if let Some(faces) = self.scan.faces.get_mut(part) {
-                faces.borrow(span);
-            }
-            return;
-        }
+    pub(super) fn face(&mut self, line: u32, corners: &str, log: &mut Log) {
+        self.scan.numbers = None;
         match self.check(corners, self.counts, false) {
             Verdict::Later => self.deferred.push(Deferred {
                 line,
@@ -71,25 +62,6 @@ impl Scanner<'_> {
         (self.material, self.name, self.group) = (face.material, face.name, face.group);
         let verdict = self.check(&face.corners, face.counts, true);
         self.settle(verdict, face.line, &face.corners, log);
-    }
-
-    /// Reads the corners into `self.corners` where they are plain, sound and alike, and tells whether they have texture
-    /// coordinates and normals.
-    fn plain(&mut self, corners: &str) -> Option<(bool, bool)> {
-        let Counts { positions, texcoords, normals } = self.counts;
-        let bad = [&self.bad_positions, &self.bad_texcoords, &self.bad_normals];
-        if bad.iter().any(|list| !list.is_empty()) {
-            return None;
-        }
-        self.corners.clear();
-        let list = &mut self.corners;
-        let mut first = None;
-        let plain = plain_corners(corners, |[v, vt, vn]| {
-            let kind = (vt != 0, vn != 0);
-            list.push([v, vt, vn]);
-            v <= positions && vt <= texcoords && vn <= normals && *first.get_or_insert(kind) == kind
-        });
-        first.filter(|_| plain && list.len() >= 3)
     }
 
     /// Reads the corners into `self.corners`, with 0 for what a corner lacks. `counts` is what the file had shown
@@ -181,7 +153,7 @@ impl Scanner<'_> {
 
 impl Scanner<'_> {
     /// The part of the face in `self.corners`, which is counted.
-    fn part(&mut self, uvs: bool, normals: bool) -> usize {
+    pub(super) fn part(&mut self, uvs: bool, normals: bool) -> usize {
         self.triangles += self.corners.len() as u64 - 2;
         let smooth = !normals && self.group != 0;
         let next = self.scan.parts.len();

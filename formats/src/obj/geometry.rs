@@ -48,11 +48,14 @@ impl BufRead for Pieces<'_> {
     }
 }
 
-/// Has `tobj` parse the statements: a model for each part.
+/// A model for each part: what plain statements said already, or else what `tobj` makes of them.
 ///
 /// # Errors
 /// [`ErrorCode::Stopped`]; [`ErrorCode::Syntax`] should `tobj` refuse the text after all.
-pub(super) fn parse(scan: &Scan, control: &Control) -> Result<Vec<tobj::Model>, ImportError> {
+pub(super) fn parse(scan: &mut Scan, control: &Control) -> Result<Vec<tobj::Model>, ImportError> {
+    if let Some(numbers) = scan.numbers.take() {
+        return numbers.into_models(control);
+    }
     let mut pieces: Vec<&[u8]> = scan.vertices.iter().collect();
     for faces in &scan.faces {
         // tobj ends a model at every `o`. All vertices stand before the first face, so none is out of its reach.

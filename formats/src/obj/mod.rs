@@ -1,7 +1,7 @@
 //! The OBJ + MTL importer.
 //!
-//! Text goes through a checking reader (`scan`) that drops or mends what is unsound, with the line; `tobj` parses
-//! what is left; `mtl` and `material` make glTF-like materials of the MTL statements. Choices where the formats are
+//! Text goes through a checking reader (`scan`) that drops or mends what is unsound, with the line; where nothing but plain
+//! statements was found their numbers are known by then (`plain`), else `tobj` parses what is left; `mtl` and `material` make glTF-like materials of the MTL statements. Choices where the formats are
 //! silent or their exporters disagree:
 //! - one mesh per material (and per presence of normals and texture coordinates); faces without `vn` are smooth within
 //!   their smoothing group (`s`), and flat without one. Attributes that only some corners of a face have are not used on that face;
@@ -18,6 +18,7 @@ mod material;
 pub(crate) mod mtl;
 mod number;
 mod pieces;
+mod plain;
 pub(crate) mod scan;
 mod smooth;
 mod text;
@@ -54,8 +55,8 @@ fn import_logged(
     control: &Control,
 ) -> Result<Scene, ImportError> {
     let text = text::decode(bytes)?;
-    let scan = scan::scan(&text, resources.limits().max_triangles, log, control)?;
-    let models = geometry::parse(&scan, control)?;
+    let mut scan = scan::scan(&text, resources.limits().max_triangles, log, control)?;
+    let models = geometry::parse(&mut scan, control)?;
     let scan = scan.without_text();
     drop(text);
     let libraries = libraries::Libraries::load(&scan.libraries, resources, log, control)?;

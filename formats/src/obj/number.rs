@@ -41,48 +41,72 @@ impl<'a> Iterator for Words<'a> {
 }
 
 /// Numbers that need no second look.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Plain {
-    pub(super) count: u32,
-    /// Whether any is not zero.
-    pub(super) not_zero: bool,
+    pub(super) count: usize,
+    /// As many as `count` says.
+    pub(super) values: [f64; 6],
 }
 
-/// Takes operands that are nothing but short decimal numbers without exponents, as nearly all are; `None` for any others,
-/// sound ones included.
-pub(super) fn plain_decimals(operands: &str) -> Option<Plain> {
-    let bytes = operands.as_bytes();
+/// Powers of ten that `f64` has exactly.
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// Reads a line of up to six decimal numbers and nothing else, as nearly all are, from `at` on; gives where the next line begins. `None` for
+/// any other, sound ones included, and for one that ends with the text.
+#[inline]
+pub(super) fn plain_decimals(bytes: &[u8], mut at: usize) -> Option<(Plain, usize)> {
     let mut plain = Plain::default();
-    let mut at = 0;
     loop {
-        while bytes.get(at).is_some_and(|b| is_blank(*b)) {
+        let byte = *bytes.get(at)?;
+        if is_blank(byte) {
             at += 1;
+        } else if byte == b'\n' {
+            return Some((plain, at + 1));
+        } else {
+            *plain.values.get_mut(plain.count)? = plain_decimal(bytes, &mut at)?;
+            plain.count += 1;
         }
-        if at == bytes.len() {
-            return Some(plain);
-        }
-        if matches!(bytes.get(at), Some(b'-')) {
-            at += 1;
-        }
-        let before = plain_digits(bytes, &mut at, &mut plain.not_zero);
-        let mut after = 0;
-        if bytes.get(at) == Some(&b'.') {
-            at += 1;
-            after = plain_digits(bytes, &mut at, &mut plain.not_zero);
-        }
-        let ends = bytes.get(at).is_none_or(|b| is_blank(*b));
-        if !ends || !(1..=30).contains(&(before + after)) {
-            return None;
-        }
-        plain.count += 1;
     }
 }
 
 #[inline]
-fn plain_digits(bytes: &[u8], at: &mut usize, not_zero: &mut bool) -> usize {
+fn plain_decimal(bytes: &[u8], at: &mut usize) -> Option<f64> {
+    let start = *at;
+    let negative = bytes.get(start) == Some(&b'-');
+    *at += usize::from(negative);
+    let mut mantissa = 0;
+    let before = plain_digits(bytes, at, &mut mantissa);
+    let mut after = 0;
+    if bytes.get(*at) == Some(&b'.') {
+        *at += 1;
+        after = plain_digits(bytes, at, &mut mantissa);
+    }
+    let ends = bytes.get(*at).is_some_and(|b| is_blank(*b) || *b == b'\n');
+    if !ends || !(1..=19).contains(&(before + after)) || mantissa >= 1 << 53 {
+        return long_decimal(bytes, start, at);
+    }
+    // Both are exact, so the quotient is rounded once (Clinger 1990).
+    let value = mantissa as f64 / POWERS.get(after)?;
+    Some(if negative { -value } else { value })
+}
+
+/// A decimal number that is not short, after which `at` stands.
+#[cold]
+fn long_decimal(bytes: &[u8], start: usize, at: &mut usize) -> Option<f64> {
+    let word = bytes.get(start..)?;
+    let length = word.iter().position(|b| is_blank(*b) || *b == b'\n')?;
+    *at = start + length;
+    value(word.get(..length)?)
+}
+
+#[inline]
+fn plain_digits(bytes: &[u8], at: &mut usize, mantissa: &mut u64) -> usize {
     let start = *at;
     while let Some(digit @ b'0'..=b'9') = bytes.get(*at) {
-        *not_zero |= *digit != b'0';
+        *mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
         *at += 1;
     }
     *at - start
@@ -92,45 +116,41 @@ fn plain_digits(bytes: &[u8], at: &mut usize, not_zero: &mut bool) -> usize {
 #[inline]
 fn plain_index(bytes: &[u8], at: &mut usize) -> Option<u32> {
     let start = *at;
-    let mut value = 0;
+    let mut value = 0_u32;
     while let Some(digit @ b'0'..=b'9') = bytes.get(*at) {
-        if *at - start == 9 {
-            return None;
-        }
-        value = value * 10 + u32::from(digit - b'0');
+        value = value.wrapping_mul(10).wrapping_add(u32::from(digit - b'0'));
         *at += 1;
     }
-    (value > 0).then_some(value)
+    (value > 0 && *at - start <= 9).then_some(value)
 }
 
-/// Takes the corners of a face that are nothing but positive indices, as nearly all are: calls `corner` with each, 0 for an
-/// index that it lacks. False for any others, sound ones included, or when `corner` says so.
-pub(super) fn plain_corners(corners: &str, mut corner: impl FnMut([u32; 3]) -> bool) -> bool {
-    let bytes = corners.as_bytes();
-    let mut at = 0;
+/// Reads a line of corners that are nothing but positive indices, as nearly all are, from `at` on: calls `corner` with each, 0 for an
+/// index that it lacks, and gives where the next line begins. `None` for any other line, sound ones included, for one that ends with the
+/// text, or when `corner` says so.
+#[inline]
+pub(super) fn plain_corners(bytes: &[u8], mut at: usize, mut corner: impl FnMut([u32; 3]) -> bool) -> Option<usize> {
     loop {
-        while bytes.get(at).is_some_and(|b| is_blank(*b)) {
+        let byte = *bytes.get(at)?;
+        if is_blank(byte) {
             at += 1;
+            continue;
         }
-        if at == bytes.len() {
-            return true;
+        if byte == b'\n' {
+            return Some(at + 1);
         }
-        let Some(position) = plain_index(bytes, &mut at) else { return false };
-        let mut indices = [position, 0, 0];
+        let mut indices = [plain_index(bytes, &mut at)?, 0, 0];
         if bytes.get(at) == Some(&b'/') {
             at += 1;
             if bytes.get(at) != Some(&b'/') {
-                let Some(texcoord) = plain_index(bytes, &mut at) else { return false };
-                indices[1] = texcoord;
+                indices[1] = plain_index(bytes, &mut at)?;
             }
             if bytes.get(at) == Some(&b'/') {
                 at += 1;
-                let Some(normal) = plain_index(bytes, &mut at) else { return false };
-                indices[2] = normal;
+                indices[2] = plain_index(bytes, &mut at)?;
             }
         }
-        if !bytes.get(at).is_none_or(|b| is_blank(*b)) || !corner(indices) {
-            return false;
+        if !bytes.get(at).is_some_and(|b| is_blank(*b) || *b == b'\n') || !corner(indices) {
+            return None;
         }
     }
 }
@@ -256,26 +276,48 @@ mod tests {
 
     #[test]
     fn plain_numbers_are_some_of_the_sound_ones() {
-        let plain = |count, not_zero| Some(Plain { count, not_zero });
-        assert_eq!(plain_decimals(" 1 -2.5\t.5 7. \r"), plain(4, true));
-        assert_eq!(plain_decimals(" 0 -0.0 000"), plain(3, false));
-        assert_eq!(plain_decimals(""), plain(0, false));
-        for other in ["1e5", "+1", "1 2 #3", "-", ".", "1.2.3", "1,5", "nan", "1 2x", "1234567890123456789012345678901"]
+        let read = |line: &str| {
+            let (plain, end) = plain_decimals(line.as_bytes(), 0)?;
+            Some((plain.values[..plain.count].to_vec(), end))
+        };
+        assert_eq!(read(" 1 -2.5\t.5 7. \r\nv 1"), Some((vec![1.0, -2.5, 0.5, 7.0], 16)));
+        assert_eq!(read("\n"), Some((vec![], 1)));
+        assert_eq!(read("-0\n").map(|(values, _)| values[0].to_bits()), Some((-0.0_f64).to_bits()));
+        for other in ["1", "1 2 #3\n", "-\n", ".\n", "1.2.3\n", "1,5\n", "nan\n", "1 2x\n", "1 2 3 4 5 6 7\n", "1e31\n"]
         {
-            assert_eq!(plain_decimals(other), None, "{other}");
+            assert_eq!(read(other), None, "{other}");
         }
         let all = |text: &str| {
             let mut seen = Vec::new();
-            let plain = plain_corners(text, |corner| {
+            let end = plain_corners(text.as_bytes(), 0, |corner| {
                 seen.push(corner);
                 true
             });
-            plain.then_some(seen)
+            end.map(|end| (seen, end))
         };
-        assert_eq!(all(" 1 2/3  4//5 6/7/8\r"), Some(vec![[1, 0, 0], [2, 3, 0], [4, 0, 5], [6, 7, 8]]));
+        assert_eq!(all(" 1 2/3  4//5 6/7/8\r\nf"), Some((vec![[1, 0, 0], [2, 3, 0], [4, 0, 5], [6, 7, 8]], 20)));
         for other in ["1/", "1//", "0 1 2", "-1 -2 -3", "1/0/1", "1/2/3/4", "1 2 3 # end", "1234567890", "1/ /2", "+1"]
         {
-            assert_eq!(all(other), None, "{other}");
+            assert_eq!(all(&format!("{other}\n")), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn plain_numbers_are_rounded_as_rust_rounds_them() {
+        let mut state = 1_u64;
+        for round in 0..200_000 {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let (digits, point) = (1 + (state >> 33) % 21, (state >> 45) % 22);
+            let mut word: String = (0..digits).map(|k| char::from(b'0' + (state >> (k * 3) & 7) as u8)).collect();
+            if (point as usize) < word.len() {
+                word.insert(point as usize, '.');
+            }
+            if round % 2 == 0 {
+                word.insert(0, '-');
+            }
+            let want: f64 = word.parse().unwrap();
+            let (plain, _) = plain_decimals(format!("{word}\n").as_bytes(), 0).unwrap();
+            assert_eq!(plain.values[0].to_bits(), want.to_bits(), "{word}");
         }
     }
 

@@ -3,11 +3,11 @@
 use super::log::Log;
 use super::number::Words;
 use super::pieces::Pieces;
+use super::plain::Numbers;
 use super::text::Lines;
 use super::vertices::with_all_colors;
 use crate::{Control, ErrorCode, ImportError, Place};
 use std::collections::{BTreeMap, HashMap};
-use std::ops::Range;
 
 /// Faces that share a material and the kinds of attributes that they have. Becomes one mesh.
 pub(super) struct Part {
@@ -34,6 +34,8 @@ pub(super) struct Scan<'t> {
     pub(super) materials: Vec<(u32, String)>,
     /// Operands of the `mtllib` statements with their lines.
     pub(super) libraries: Vec<(u32, String)>,
+    /// What `tobj` would make of it, where all vertices and faces are plain.
+    pub(super) numbers: Option<Numbers>,
 }
 
 impl Scan<'_> {
@@ -46,6 +48,7 @@ impl Scan<'_> {
             has_colors: self.has_colors,
             materials: self.materials,
             libraries: self.libraries,
+            numbers: None,
         }
     }
 }
@@ -73,7 +76,7 @@ pub(super) type PartKey = (Option<u32>, bool, bool, bool);
 
 #[derive(Default)]
 pub(super) struct Scanner<'t> {
-    text: &'t str,
+    pub(super) text: &'t str,
     pub(super) scan: Scan<'t>,
     pub(super) counts: Counts,
     /// Numbers (from 1, ascending) of vertex data that cannot be used.
@@ -121,16 +124,23 @@ pub(super) fn scan<'t>(
 ) -> Result<Scan<'t>, ImportError> {
     let mut scanner = Scanner { text, ..Scanner::default() };
     scanner.scan.vertices = Pieces::of(text);
+    scanner.scan.numbers = Some(Numbers::default());
     control.begin(text.len() as u64);
     let mut lines = Lines::new(text);
     let (mut statements, mut left) = (0_u32, text.len());
-    while let Some((line, statement, span)) = lines.next_with_span() {
-        scanner.statement(line, statement, span, log);
+    loop {
+        if let Some(length) = scanner.plain_statement(lines.rest()) {
+            lines.skip_line(length);
+        } else if let Some((line, statement)) = lines.next() {
+            scanner.statement(line, statement, log);
+        } else {
+            break;
+        }
         statements = statements.wrapping_add(1);
         if statements.is_multiple_of(8192) {
             control.check()?;
-            control.advance((left - lines.bytes_left()) as u64);
-            left = lines.bytes_left();
+            control.advance((left - lines.rest().len()) as u64);
+            left = lines.rest().len();
             scanner.check_limit(max_triangles)?;
         }
     }
@@ -150,17 +160,15 @@ impl<'t> Scanner<'t> {
         Ok(())
     }
 
-    fn statement(&mut self, line: u32, statement: &str, span: Option<Range<usize>>, log: &mut Log) {
+    fn statement(&mut self, line: u32, statement: &str, log: &mut Log) {
         let mut words = Words::new(statement);
         let Some(keyword) = words.next() else { return };
         let operands = statement.get(words.end()..).unwrap_or("");
-        // What is indented is rare, and `fo` is for `tobj` no face.
-        let span = span.filter(|_| words.end() == keyword.len() && keyword != b"fo");
         match keyword {
-            b"v" => self.position(line, operands, span, log),
-            b"vt" => self.texcoord(line, operands, span, log),
-            b"vn" => self.normal(line, operands, span, log),
-            b"f" | b"fo" => self.face(line, operands, span, log),
+            b"v" => self.position(line, operands, log),
+            b"vt" => self.texcoord(line, operands, log),
+            b"vn" => self.normal(line, operands, log),
+            b"f" | b"fo" => self.face(line, operands, log),
             b"l" => self.skip("lines", line),
             b"p" => self.skip("points", line),
             // Not longer than is of use: every face that waits keeps a copy.

@@ -1,10 +1,9 @@
 //! Bytes of any encoding to lines of text.
 
 use crate::{ErrorCode, ImportError};
-use std::ops::Range;
 
 /// The text of a file in UTF-8 (bytes that are none count as Latin-1) or UTF-16 (with a byte order mark, or told by
-/// its zeros), with `\n` at the ends of its lines, or `\r\n`.
+/// its zeros), with `\n` at the ends of all its lines, or `\r\n`.
 pub(super) fn decode(bytes: Vec<u8>) -> Result<String, ImportError> {
     let utf16 = match bytes.as_slice() {
         [0xff, 0xfe, ..] => Some(u16::from_le_bytes as fn([u8; 2]) -> u16),
@@ -32,6 +31,10 @@ pub(super) fn decode(bytes: Vec<u8>) -> Result<String, ImportError> {
     if !text.contains('\n') && text.contains('\r') {
         text = text.replace('\r', "\n");
     }
+    // So that the last statement is as good as any other.
+    if !text.is_empty() && !text.ends_with('\n') {
+        text.push('\n');
+    }
     Ok(text)
 }
 
@@ -47,20 +50,24 @@ fn latin1_where_invalid(bytes: &[u8]) -> String {
 /// Gives the lines with their numbers from 1, those that end in `\` joined with the next.
 pub(super) struct Lines<'a> {
     rest: &'a str,
-    length: usize,
     number: u32,
     joined: String,
-    span: Option<Range<usize>>,
 }
 
 impl<'a> Lines<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        Self { rest: text, length: text.len(), number: 0, joined: String::new(), span: None }
+        Self { rest: text, number: 0, joined: String::new() }
     }
 
-    /// Bytes not yet given.
-    pub(super) fn bytes_left(&self) -> usize {
-        self.rest.len()
+    /// What is not yet given.
+    pub(super) fn rest(&self) -> &'a str {
+        self.rest
+    }
+
+    /// Passes over the next physical line, which has `length` bytes with its end.
+    pub(super) fn skip_line(&mut self, length: usize) {
+        self.number = self.number.saturating_add(1);
+        self.rest = self.rest.get(length..).unwrap_or_default();
     }
 
     fn physical(&mut self) -> Option<&'a str> {
@@ -68,9 +75,7 @@ impl<'a> Lines<'a> {
             return None;
         }
         self.number = self.number.saturating_add(1);
-        let found = memchr::memchr(b'\n', self.rest.as_bytes());
-        let (start, end) = (self.length - self.rest.len(), found.unwrap_or(self.rest.len()));
-        self.span = found.map(|end| start..start + end + 1);
+        let end = memchr::memchr(b'\n', self.rest.as_bytes()).unwrap_or(self.rest.len());
         let (line, rest) = self.rest.split_at_checked(end)?;
         self.rest = rest.get(1..).unwrap_or_default();
         Some(line)
@@ -78,17 +83,11 @@ impl<'a> Lines<'a> {
 
     /// The next statement's line, with the number of its first physical line.
     pub(super) fn next(&mut self) -> Option<(u32, &str)> {
-        self.next_with_span().map(|(number, line, _)| (number, line))
-    }
-
-    /// As [`Self::next`], and where the line stands in the text, its end included; `None` for one that was joined, or ends with
-    /// the text.
-    pub(super) fn next_with_span(&mut self) -> Option<(u32, &str, Option<Range<usize>>)> {
         let line = self.physical()?;
         let number = self.number;
         // A comment may end in a Windows folder: `# C:\models\`.
         let Some(mut part) = continued(line).filter(|l| !l.trim_start().starts_with('#')) else {
-            return Some((number, line, self.span.clone()));
+            return Some((number, line));
         };
         self.joined.clear();
         loop {
@@ -103,7 +102,7 @@ impl<'a> Lines<'a> {
                 }
             }
         }
-        Some((number, &self.joined, None))
+        Some((number, &self.joined))
     }
 }
 

@@ -1,24 +1,14 @@
 //! Checks of `v`, `vt` and `vn` statements.
 
 use super::log::Log;
-use super::number::{Decimal, LARGEST, Words, decimal, plain_decimals, value};
+use super::number::{Decimal, LARGEST, Words, decimal, value};
 use super::pieces::Pieces;
 use super::scan::{Scanner, short};
-use std::ops::Range;
-
-/// Where a statement stands in the text that can be passed on as it stands.
-type Span = Option<Range<usize>>;
 
 impl Scanner<'_> {
-    pub(super) fn position(&mut self, line: u32, operands: &str, span: Span, log: &mut Log) {
+    pub(super) fn position(&mut self, line: u32, operands: &str, log: &mut Log) {
         self.counts.positions += 1;
-        if let Some(span) = span
-            && let Some(plain) = plain_decimals(operands)
-            && matches!(plain.count, 3 | 6)
-        {
-            self.colored += u32::from(plain.count == 6);
-            return self.scan.vertices.borrow(span);
-        }
+        self.scan.numbers = None;
         let mut words = Words::new(operands);
         let sound = (0..3).all(|_| words.next().is_some_and(|w| decimal(w).is_some()));
         let end = words.end();
@@ -62,13 +52,9 @@ impl Scanner<'_> {
         out.push(b'\n');
     }
 
-    pub(super) fn texcoord(&mut self, line: u32, operands: &str, span: Span, log: &mut Log) {
+    pub(super) fn texcoord(&mut self, line: u32, operands: &str, log: &mut Log) {
         self.counts.texcoords += 1;
-        if let Some(span) = span
-            && plain_decimals(operands).is_some_and(|plain| matches!(plain.count, 2 | 3))
-        {
-            return self.scan.vertices.borrow(span);
-        }
+        self.scan.numbers = None;
         let mut words = Words::new(operands);
         let (u, v) = (words.next(), words.next().unwrap_or(b"0"));
         let out = self.scan.vertices.own();
@@ -88,13 +74,9 @@ impl Scanner<'_> {
         }
     }
 
-    pub(super) fn normal(&mut self, line: u32, operands: &str, span: Span, log: &mut Log) {
+    pub(super) fn normal(&mut self, line: u32, operands: &str, log: &mut Log) {
         self.counts.normals += 1;
-        if let Some(span) = span
-            && plain_decimals(operands).is_some_and(|plain| plain.count == 3 && plain.not_zero)
-        {
-            return self.scan.vertices.borrow(span);
-        }
+        self.scan.numbers = None;
         let mut words = Words::new(operands);
         let mut number = || words.next().and_then(decimal);
         let kinds = [number(), number(), number()];
