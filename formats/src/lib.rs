@@ -17,6 +17,7 @@ pub mod repair;
 pub mod resources;
 pub mod scene;
 mod show;
+mod straight;
 pub mod support;
 
 pub use contents::{Clip, Contents, SourceMaterial};

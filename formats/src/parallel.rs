@@ -6,17 +6,35 @@ use rayon::prelude::*;
 
 /// What `one` makes of each item, in their order, on the current rayon pool. `control` is told of the CPU time of the pool's threads.
 pub fn map<T: Sync, R: Send>(items: &[T], control: &Control, one: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    // Called from a thread of the pool, that thread works too, and whoever takes its time has it already.
-    let outside = rayon::current_thread_index().is_none();
-    let timed = |item| {
-        let clock = ThreadTime::try_now().ok().filter(|_| outside);
-        let made = one(item);
+    let clock = Clock::of(control);
+    items.par_iter().with_max_len(1).map(|item| clock.time(|| one(item))).collect()
+}
+
+/// As [`map`], of items that are changed.
+pub fn map_mut<T: Send, R: Send>(items: &mut [T], control: &Control, one: impl Fn(&mut T) -> R + Sync) -> Vec<R> {
+    let clock = Clock::of(control);
+    items.par_iter_mut().with_max_len(1).map(|item| clock.time(|| one(item))).collect()
+}
+
+struct Clock<'a> {
+    control: &'a Control,
+    /// Called from a thread of the pool, that thread works too, and whoever takes its time has it already.
+    outside: bool,
+}
+
+impl<'a> Clock<'a> {
+    fn of(control: &'a Control) -> Self {
+        Self { control, outside: rayon::current_thread_index().is_none() }
+    }
+
+    fn time<R>(&self, one: impl FnOnce() -> R) -> R {
+        let clock = ThreadTime::try_now().ok().filter(|_| self.outside);
+        let made = one();
         if let Some(time) = clock.and_then(|clock| clock.try_elapsed().ok()) {
-            control.add_helpers_cpu(time);
+            self.control.add_helpers_cpu(time);
         }
         made
-    };
-    items.par_iter().with_max_len(1).map(timed).collect()
+    }
 }
 
 #[cfg(test)]

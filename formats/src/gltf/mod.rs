@@ -38,8 +38,8 @@ mod uri;
 mod uv_sets;
 mod variants;
 
-use crate::scene::{Instance, Scene, UpAxis};
-use crate::{Contents, Control, ErrorCode, ImportError, Place, Resources, Show, Warning};
+use crate::scene::{Instance, Mesh, Scene, UpAxis};
+use crate::{Contents, Control, ErrorCode, ImportError, Place, Resources, Show, Warning, parallel};
 use accessor::Accessors;
 use buffers::Buffers;
 use glam::DAffine3;
@@ -48,7 +48,7 @@ use gltf::json::validation::Checked;
 use materials::Materials;
 use nodes::Hierarchy;
 use pose::Pose;
-use primitive::Reader;
+use primitive::{Reader, Tangents};
 use report::Report;
 use std::collections::BTreeMap;
 
@@ -158,6 +158,7 @@ fn geometry(
         points_or_lines: 0,
         first_points_or_lines: String::new(),
         first_nothing: None,
+        without_tangents: Vec::new(),
     };
     for index in &hierarchy.shown {
         let Some(node) = root.nodes.get(*index) else { continue };
@@ -208,6 +209,8 @@ fn geometry(
     if scene.instances.is_empty() {
         return Err(nothing(&reader));
     }
+    let wanted = reader.without_tangents;
+    complete_tangents(wanted, &mut materials, scene, report, control)?;
     Ok(materials)
 }
 
@@ -245,23 +248,50 @@ fn read_mesh(
         let posed = reader.read(primitive, &place, pose, tangents, sets)?;
         reader.control.advance(1);
         let Some(mut posed) = posed else { continue };
-        let mut material = materials.id(root, known, reader.report);
+        let material = materials.id(root, known, reader.report);
         match materials.tangent_source(material).filter(|_| !reader.survey) {
             Some(source) => {
-                if let Err(why) = primitive::complete_tangents(&mut posed.mesh, &source) {
-                    let message = format!("{why}: the normal map (and anisotropy) is left out");
-                    reader.report.warn("normal-map-ignored", place, message);
-                    material = materials.without_tangents(known, material);
-                }
+                let mesh = scene.meshes.len();
+                reader.without_tangents.push(Tangents { mesh, place, source, material: known });
             }
             None => posed.mesh.tangents = Vec::new(),
         }
         let own = posed.skinned.then(|| DAffine3::from_translation(pose.origin));
         let name = source.name.clone().unwrap_or_default();
-        scene.meshes.push(crate::scene::Mesh { name, material, ..posed.mesh });
+        scene.meshes.push(Mesh { name, material, ..posed.mesh });
         placed.push(((scene.meshes.len() - 1) as u32, own));
     }
     Ok(placed)
+}
+
+/// Gives the meshes their tangents, several at a time. Those that can have none get their material without what needs them.
+fn complete_tangents(
+    wanted: Vec<Tangents>,
+    materials: &mut Materials,
+    scene: &mut Scene,
+    report: &mut Report,
+    control: &Control,
+) -> Result<(), ImportError> {
+    let taken = |wanted: Tangents| {
+        let mesh = scene.meshes.get_mut(wanted.mesh).map(std::mem::take).unwrap_or_default();
+        (wanted, mesh)
+    };
+    let mut meshes: Vec<(Tangents, Mesh)> = wanted.into_iter().map(taken).collect();
+    let made = parallel::map_mut(&mut meshes, control, |(wanted, mesh)| {
+        control.check()?;
+        Ok::<_, ImportError>(primitive::complete_tangents(mesh, &wanted.source))
+    });
+    for ((wanted, mut mesh), made) in meshes.into_iter().zip(made) {
+        if let Err(why) = made? {
+            let message = format!("{why}: the normal map (and anisotropy) is left out");
+            report.warn("normal-map-ignored", wanted.place, message);
+            mesh.material = materials.without_tangents(wanted.material, mesh.material);
+        }
+        if let Some(slot) = scene.meshes.get_mut(wanted.mesh) {
+            *slot = mesh;
+        }
+    }
+    Ok(())
 }
 
 /// Refuses, before anything is allocated for it, an asset that would draw more triangles than the limit.

@@ -23,6 +23,18 @@ pub(super) struct Reader<'a, 'r> {
     pub(super) first_points_or_lines: String,
     /// Why the first primitive that came to nothing did, and its place.
     pub(super) first_nothing: Option<(String, &'static str)>,
+    /// Meshes that want tangents once all are read.
+    pub(super) without_tangents: Vec<Tangents>,
+}
+
+/// What is needed to give a mesh of the scene its tangents.
+pub(super) struct Tangents {
+    pub(super) mesh: usize,
+    /// JSON pointer of its primitive.
+    pub(super) place: String,
+    pub(super) source: crate::scene::TextureRef,
+    /// Its material in the document.
+    pub(super) material: Option<usize>,
 }
 
 /// What was read: the mesh without name and material, and whether its pose is in world space about `Pose::origin`.

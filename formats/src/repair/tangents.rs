@@ -10,7 +10,10 @@ use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 /// in time, so that more would exhaust the stack or the patience.
 const MAX_FAN: u16 = 2048;
 
-/// Stack of the thread that runs MikkTSpace; enough for `MAX_FAN` nested calls many times over.
+/// Corners around which any thread's stack is large enough.
+const SMALL_FAN: u16 = 128;
+
+/// Stack of the thread that runs MikkTSpace for larger fans; enough for `MAX_FAN` nested calls many times over.
 const STACK_BYTES: usize = 16 << 20;
 
 /// Why a mesh can have no tangents.
@@ -48,15 +51,29 @@ pub fn generate(mesh: &mut Mesh, uv_set: usize, transform: &UvTransform) -> Resu
         return Err(NoTangents::Normals);
     }
     let uvs = mesh.uvs.get(uv_set).ok_or(NoTangents::TextureCoordinates)?;
-    let mut corners = Corners { mesh, uvs, transform, tangents: vec![[0.0; 4]; 3 * mesh.triangles.len()] };
-    if has_huge_fan(&corners) {
+    let vertices = mesh.positions.iter().zip(&mesh.normals).zip(uvs);
+    let vertices = vertices.map(|((position, normal), uv)| Vertex {
+        position: *position,
+        normal: unit(*normal),
+        uv: transform.apply(*uv),
+    });
+    let mut corners = Corners {
+        triangles: &mesh.triangles,
+        vertices: vertices.collect(),
+        tangents: vec![[0.0; 4]; 3 * mesh.triangles.len()],
+    };
+    let fan = largest_fan(&corners);
+    if fan > MAX_FAN {
         return Err(NoTangents::Fan);
     }
-    let tangents = std::thread::scope(|scope| {
-        let run = || generate_tangents(&mut corners).map(|()| std::mem::take(&mut corners.tangents));
-        let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, run).ok()?;
-        thread.join().ok()?.ok()
-    });
+    let mut run = || generate_tangents(&mut corners).map(|()| std::mem::take(&mut corners.tangents));
+    let tangents = match fan <= SMALL_FAN {
+        true => run().ok(),
+        false => std::thread::scope(|scope| {
+            let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, run).ok()?;
+            thread.join().ok()?.ok()
+        }),
+    };
     let tangents = tangents.ok_or(NoTangents::Generator)?;
     weld(mesh, &tangents);
     Ok(())
@@ -78,17 +95,32 @@ fn flatten(mesh: &mut Mesh) {
     mesh.normals = mesh.positions.as_chunks().0.iter().flat_map(normal).collect();
 }
 
+/// What MikkTSpace asks of a corner, which it does several times.
+#[derive(Clone, Copy, Default)]
+struct Vertex {
+    position: [f32; 3],
+    normal: [f32; 3],
+    uv: [f32; 2],
+}
+
+impl Vertex {
+    fn bits(&self) -> [u32; 8] {
+        let ([x, y, z], [a, b, c], [u, v]) = (self.position, self.normal, self.uv);
+        [x, y, z, a, b, c, u, v].map(f32::to_bits)
+    }
+}
+
 /// The mesh as MikkTSpace sees it: corners of triangles.
 struct Corners<'a> {
-    mesh: &'a Mesh,
-    uvs: &'a [[f32; 2]],
-    transform: &'a UvTransform,
+    triangles: &'a [[u32; 3]],
+    vertices: Vec<Vertex>,
     tangents: Vec<[f32; 4]>,
 }
 
 impl Corners<'_> {
-    fn vertex(&self, face: usize, corner: usize) -> usize {
-        self.mesh.triangles.get(face).and_then(|t| t.get(corner)).map_or(0, |i| *i as usize)
+    fn vertex(&self, face: usize, corner: usize) -> Vertex {
+        let index = self.triangles.get(face).and_then(|t| t.get(corner));
+        index.and_then(|i| self.vertices.get(*i as usize)).copied().unwrap_or_default()
     }
 }
 
@@ -107,7 +139,7 @@ impl Ops for Portable {
 
 impl Geometry<Portable> for Corners<'_> {
     fn num_faces(&self) -> usize {
-        self.mesh.triangles.len()
+        self.triangles.len()
     }
 
     fn num_vertices_of_face(&self, _face: usize) -> usize {
@@ -115,15 +147,15 @@ impl Geometry<Portable> for Corners<'_> {
     }
 
     fn position(&self, face: usize, corner: usize) -> [f32; 3] {
-        self.mesh.positions.get(self.vertex(face, corner)).copied().unwrap_or_default()
+        self.vertex(face, corner).position
     }
 
     fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
-        unit(self.mesh.normals.get(self.vertex(face, corner)).copied().unwrap_or_default())
+        self.vertex(face, corner).normal
     }
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        self.transform.apply(self.uvs.get(self.vertex(face, corner)).copied().unwrap_or_default())
+        self.vertex(face, corner).uv
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
@@ -151,33 +183,29 @@ fn perpendicular(normal: Vec3) -> Vec3 {
 /// A hasher with fixed keys; the maps below are only asked, never walked.
 type Fixed = BuildHasherDefault<DefaultHasher>;
 
-/// Whether more than [`MAX_FAN`] corners may be welded into one vertex. Hash collisions only err on the safe side.
-fn has_huge_fan(corners: &Corners) -> bool {
+/// How many corners may be welded into one vertex at most, or `MAX_FAN + 1` if there are more. Hash collisions only err on the safe side.
+fn largest_fan(corners: &Corners) -> u16 {
     let triangles = corners.num_faces();
-    if triangles <= usize::from(MAX_FAN) {
-        return false;
+    if triangles <= usize::from(SMALL_FAN) {
+        return triangles as u16;
     }
     let mut counts = vec![0u16; (2 * triangles).next_power_of_two()];
     let mask = counts.len() - 1;
     let hasher = Fixed::default();
-    let bits = |x: f32| x.to_bits();
     // One hash a vertex, then one count a corner.
-    let vertices = corners.mesh.positions.iter().zip(&corners.mesh.normals).zip(corners.uvs);
-    let buckets: Vec<usize> = vertices
-        .map(|((p, n), uv)| {
-            let key = (p.map(bits), unit(*n).map(bits), corners.transform.apply(*uv).map(bits));
-            hasher.hash_one(key) as usize & mask
-        })
-        .collect();
-    for corner in corners.mesh.triangles.as_flattened() {
+    let buckets: Vec<usize> =
+        corners.vertices.iter().map(|vertex| hasher.hash_one(vertex.bits()) as usize & mask).collect();
+    let mut largest = 0;
+    for corner in corners.triangles.as_flattened() {
         if let Some(count) = buckets.get(*corner as usize).and_then(|b| counts.get_mut(*b)) {
             *count += 1;
-            if *count > MAX_FAN {
-                return true;
+            largest = largest.max(*count);
+            if largest > MAX_FAN {
+                break;
             }
         }
     }
-    false
+    largest
 }
 
 /// Indexes the mesh anew, so that each vertex has one tangent.
