@@ -16,6 +16,11 @@ pub(crate) fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
     Some((word(16)?, word(12)?))
 }
 
+/// Whether the texels are floats, as far as the header can be understood.
+pub(crate) fn has_floats(bytes: &[u8]) -> bool {
+    Dds::read(bytes).is_ok_and(|dds| dds_image_format(&dds).is_ok_and(is_float))
+}
+
 /// Decodes the first and largest picture of a file, as stored. Normal maps of two channels (BC5) get their third.
 ///
 /// # Errors
@@ -98,6 +103,17 @@ mod tests {
         let Pixels::Rgba8(texels) = image.pixels else { panic!() };
         assert_eq!((image.width, image.height, texels.len()), (4, 4, 64));
         assert_eq!((&texels[..4], &texels[16..20]), (&[255, 0, 0, 255][..], &[0, 0, 255, 255][..]));
+    }
+
+    #[test]
+    fn floats_are_known_by_the_header() {
+        let mut halves = dds(b"DX10", &[0; 16]);
+        // DXGI_FORMAT_BC6H_UF16, a texture of two dimensions.
+        let more = [95, 3, 0, 1, 0].map(u32::to_le_bytes).concat();
+        halves.splice(128..128, more);
+        let image = decode(&halves, "a.dds", 16).unwrap();
+        assert!(matches!(image.pixels, Pixels::RgbaF32(_)) && has_floats(&halves));
+        assert!(!has_floats(&dds(b"DXT1", &[0; 8])) && !has_floats(b"DDS "));
     }
 
     #[test]

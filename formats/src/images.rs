@@ -98,7 +98,7 @@ pub fn header(bytes: &[u8], name: &str, max_texels: u64) -> Result<Image, Import
     let (width, height) = dimensions(bytes, name)?;
     check_size((width, height), name, max_texels)?;
     let pixels = if dds::is_dds(bytes) {
-        Pixels::Rgba8(Vec::new())
+        if dds::has_floats(bytes) { Pixels::RgbaF32(Vec::new()) } else { Pixels::Rgba8(Vec::new()) }
     } else {
         let color = guarded(name, || open(bytes, name, u64::MAX).map(|(_, decoder)| decoder.color_type()))?;
         match color {

@@ -90,17 +90,70 @@ pub fn import(path: &Path, options: &ImportOptions, control: &Control) -> Result
     read(path, options, control, &mut Touched::default(), Wanted::Scene)
 }
 
-/// As [`import()`], with the files that were read and looked for, whether it goes well or not.
+/// An asset whose files have been read, with its geometry: as far as importers of editors go, which leave images encoded until something is drawn.
+/// What only pixels need is left to [`Opened::finish`].
+#[derive(Debug)]
+pub struct Opened {
+    state: State,
+    resources: Resources,
+    contents: Contents,
+    warnings: Vec<Warning>,
+    wanted: Wanted,
+}
+
+enum State {
+    Gltf(Box<gltf::Opened>),
+    /// Nothing is left to be done.
+    Whole(Scene),
+}
+
+impl std::fmt::Debug for State {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if matches!(self, Self::Gltf(_)) { "Gltf" } else { "Whole" })
+    }
+}
+
+/// Does the first part of [`import()`]: reads the files and the geometry. Images of glTF files stay encoded, and meshes without the tangents that they do not
+/// bring. `touched` is told of the files that were read and looked for, whether it goes well or not.
 ///
 /// # Errors
 /// As [`import()`].
-pub fn import_noting(
+pub fn open(
     path: &Path,
     options: &ImportOptions,
     control: &Control,
     touched: &mut Touched,
-) -> Result<Imported, ImportError> {
-    read(path, options, control, touched, Wanted::SceneAndHashes)
+) -> Result<Opened, ImportError> {
+    open_for(path, options, control, touched, Wanted::SceneAndHashes)
+}
+
+impl Opened {
+    /// Does the rest: tangents and images. `touched` is then complete.
+    ///
+    /// # Errors
+    /// As [`import()`].
+    pub fn finish(self, control: &Control, touched: &mut Touched) -> Result<Imported, ImportError> {
+        let Self { state, mut resources, contents, mut warnings, wanted } = self;
+        let run = AssertUnwindSafe(|| match state {
+            State::Gltf(opened) => opened.finish(&mut resources, &mut warnings, control),
+            State::Whole(scene) => Ok(scene),
+        });
+        let finished = catch_unwind(run);
+        *touched = resources.touched();
+        let scene = finished.unwrap_or_else(|_| Err(panicked()))?;
+        let sound = if wanted == Wanted::Survey { scene.validate_but_images() } else { scene.validate() };
+        sound.map_err(|e| ImportError::new(ErrorCode::Internal, format!("importer made an invalid scene: {e}")))?;
+        let limit = resources.limits().max_triangles;
+        if scene.triangle_count() > limit {
+            let message = format!("{} triangles exceed the limit of {limit}", scene.triangle_count());
+            return Err(ImportError::new(ErrorCode::TooLarge, message));
+        }
+        Ok(Imported { scene, warnings, files: touched.read.iter().map(|file| file.path.clone()).collect(), contents })
+    }
+}
+
+fn panicked() -> ImportError {
+    ImportError::new(ErrorCode::Internal, "a decoder panicked on this file")
 }
 
 /// An asset as its files describe it, read to be told of and not to be shown: images of glTF files are known by their headers, and no tangents are
@@ -125,7 +178,7 @@ pub fn survey(path: &Path, options: &ImportOptions, control: &Control) -> Result
 }
 
 /// What an asset is read for.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wanted {
     SceneAndHashes,
     Scene,
@@ -139,6 +192,16 @@ fn read(
     touched: &mut Touched,
     wanted: Wanted,
 ) -> Result<Imported, ImportError> {
+    open_for(path, options, control, touched, wanted)?.finish(control, touched)
+}
+
+fn open_for(
+    path: &Path,
+    options: &ImportOptions,
+    control: &Control,
+    touched: &mut Touched,
+    wanted: Wanted,
+) -> Result<Opened, ImportError> {
     let format = Format::of(path)
         .ok_or_else(|| ImportError::new(ErrorCode::UnknownFormat, "is not a .gltf, .glb, .obj or .ray file"))?;
     let mut resources = Resources::new(path, options.root.as_deref(), options.limits)?;
@@ -152,21 +215,16 @@ fn read(
     let run = AssertUnwindSafe(|| {
         let bytes = resources.read_asset(path)?;
         match format {
-            Format::Gltf => gltf::import(bytes, &mut resources, &options.show, &mut contents, &mut warnings, control),
-            Format::Obj => obj::import(bytes, &mut resources, &mut warnings, control),
-            Format::Ray => ray::import(bytes, &mut resources, options.ray, &mut warnings, control),
+            Format::Gltf => {
+                let opened = gltf::open(bytes, &mut resources, &options.show, &mut contents, &mut warnings, control)?;
+                Ok(State::Gltf(Box::new(opened)))
+            }
+            Format::Obj => obj::import(bytes, &mut resources, &mut warnings, control).map(State::Whole),
+            Format::Ray => ray::import(bytes, &mut resources, options.ray, &mut warnings, control).map(State::Whole),
         }
     });
-    let imported = catch_unwind(run);
+    let opened = catch_unwind(run);
     *touched = resources.touched();
-    let scene =
-        imported.unwrap_or_else(|_| Err(ImportError::new(ErrorCode::Internal, "a decoder panicked on this file")))?;
-    let sound = if wanted == Wanted::Survey { scene.validate_but_images() } else { scene.validate() };
-    sound.map_err(|e| ImportError::new(ErrorCode::Internal, format!("importer made an invalid scene: {e}")))?;
-    if scene.triangle_count() > options.limits.max_triangles {
-        let message =
-            format!("{} triangles exceed the limit of {}", scene.triangle_count(), options.limits.max_triangles);
-        return Err(ImportError::new(ErrorCode::TooLarge, message));
-    }
-    Ok(Imported { scene, warnings, files: touched.read.iter().map(|file| file.path.clone()).collect(), contents })
+    let state = opened.unwrap_or_else(|_| Err(panicked()))?;
+    Ok(Opened { state, resources, contents, warnings, wanted })
 }

@@ -4,7 +4,7 @@ mod gltf_common;
 
 use gltf_common::{Builder, png, triangle};
 use kiln_formats::scene::{Pixels, Surface};
-use kiln_formats::{Control, ImportOptions, import, survey};
+use kiln_formats::{Control, ImportOptions, Touched, import, open, survey};
 use serde_json::{Value, json};
 
 /// A triangle whose base colour is texture 0, of the images given.
@@ -95,4 +95,24 @@ fn a_survey_has_the_limits_of_an_import() {
     assert!(survey(&path, &options, &Control::default()).is_err());
     options.limits.max_texels = 4;
     assert!(survey(&path, &options, &Control::default()).is_ok());
+}
+
+#[test]
+fn what_is_opened_has_its_files_and_can_be_finished_without_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut b = textured(&[&png()], json!({"source": 0}));
+    b.doc["images"][0] = json!({"uri": "a.png"});
+    let (asset, image) = (folder.path().join("a.glb"), folder.path().join("a.png"));
+    std::fs::write(&asset, b.glb()).expect("a file");
+    std::fs::write(&image, png()).expect("a file");
+    let (options, control, mut touched) = (ImportOptions::default(), Control::default(), Touched::default());
+    let whole = import(&asset, &options, &control).expect("a triangle");
+    let opened = open(&asset, &options, &control, &mut touched).expect("a triangle");
+    assert_eq!(touched.read.len(), 2, "the image's file has been read");
+    std::fs::remove_file(&image).expect("its file");
+    let finished = opened.finish(&control, &mut touched).expect("a triangle");
+    let shown = |scene: &kiln_formats::Scene| format!("{:?} {:?} {:?}", scene.images, scene.meshes, scene.materials);
+    assert_eq!(shown(&finished.scene), shown(&whole.scene));
+    assert_eq!((finished.scene.images.len(), finished.scene.meshes[0].tangents.len()), (1, 3));
+    assert_eq!(finished.files, whole.files);
 }

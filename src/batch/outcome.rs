@@ -101,9 +101,9 @@ pub struct SceneFacts {
 /// Seconds by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageSeconds {
-    /// Reading and decoding.
+    /// Reading files and geometry; images of glTF files stay encoded.
     pub import: f64,
-    /// Preparation without the kd-tree.
+    /// Preparation without the kd-tree: decoding images, tangents, lights, smaller versions of textures.
     pub prepare: f64,
     /// Building the kd-tree.
     pub kdtree: f64,

@@ -1,14 +1,17 @@
 use super::failure::{Failure, guarded};
+use super::stages::StageClock;
 use super::{Job, Outcome, digest, views};
 use crate::integrate::View;
 use crate::settings::{Background, PathText};
-use kiln_formats::{Control, FileRead, ImportError, ImportOptions, Imported, Show, Touched, import_noting};
+use kiln_formats::{Control, FileRead, ImportError, ImportOptions, Imported, Show, Touched, open};
 use std::path::{Component, Path, PathBuf};
 
 /// An asset that has been read.
 pub(super) struct Read {
     pub imported: Imported,
     pub views: Result<Vec<View>, Failure>,
+    /// Wall and CPU seconds of decoding images and making tangents, which belong to the preparation.
+    pub finishing: (f64, f64),
 }
 
 /// Reads a job's asset and plans its views. The files behind it are told in any case.
@@ -16,19 +19,26 @@ pub(super) fn read(job: &Job, control: &Control) -> (Touched, Result<Read, Failu
     let mut touched = Touched::default();
     let read = guarded(|| {
         let settings = &job.settings;
-        let imported = import(job, settings.look.show.clone(), control, &mut touched)?;
+        let opened = open(&job.input, &options(job, settings.look.show.clone()), control, &mut touched)?;
+        let (clock, helped) = (StageClock::begin(), control.helpers_cpu());
+        let imported = opened.finish(control, &mut touched)?;
+        let (wall, cpu) = clock.seconds();
+        let finishing = (wall, cpu + control.helpers_cpu().saturating_sub(helped).as_secs_f64());
         control.check()?;
         let show_environment = settings.pictures.background == Background::Environment;
         let views = views::plan(&imported.scene, &settings.views, show_environment);
-        Ok(Read { views: views.map_err(|e| Failure::new("camera", e)), imported })
+        Ok(Read { views: views.map_err(|e| Failure::new("camera", e)), imported, finishing })
     });
     (touched, read.and_then(|read| read))
 }
 
 /// Imports a job's asset in one of its looks.
 pub(super) fn import(job: &Job, show: Show, control: &Control, touched: &mut Touched) -> Result<Imported, ImportError> {
-    let (root, ray, limits) = (job.root.clone(), job.settings.look.ray, job.limits);
-    import_noting(&job.input, &ImportOptions { limits, root, show, ray }, control, touched)
+    open(&job.input, &options(job, show), control, touched)?.finish(control, touched)
+}
+
+fn options(job: &Job, show: Show) -> ImportOptions {
+    ImportOptions { limits: job.limits, root: job.root.clone(), show, ray: job.settings.look.ray }
 }
 
 /// Tells in an outcome which files an asset is made of.

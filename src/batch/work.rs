@@ -78,7 +78,10 @@ impl Work<'_> {
         let ((touched, read), cpu) = read?;
         self.outcome.cpu_seconds.import = self.outcome.cpu_seconds.import.max(cpu + by_helpers);
         note(self.outcome, self.job, &touched);
-        let Read { imported, views } = read?;
+        let Read { imported, views, finishing: (wall, cpu) } = read?;
+        self.outcome.seconds.prepare = wall;
+        self.outcome.cpu_seconds.prepare = cpu;
+        self.outcome.cpu_seconds.import = (self.outcome.cpu_seconds.import - cpu).max(0.0);
         self.outcome.warnings = imported.warnings;
         let scene = imported.scene;
         let own_camera = match settings.views.camera {
@@ -95,7 +98,7 @@ impl Work<'_> {
         let (environment, light) =
             environment::choose(&scene, Format::of(&self.job.input), &settings.environment, loaded.as_ref());
         self.outcome.light = Some(light);
-        self.outcome.seconds.import = clock.seconds().0;
+        self.outcome.seconds.import = (clock.seconds().0 - wall).max(0.0);
         Ok((scene, environment, views?))
     }
 
@@ -125,10 +128,10 @@ impl Work<'_> {
         let by_helpers = self.control.helpers_cpu().saturating_sub(helped).as_secs_f64();
         let tree = prepared.times;
         self.outcome.seconds.kdtree = tree.kdtree;
-        self.outcome.seconds.prepare = (clock.seconds().0 - tree.kdtree).max(0.0);
+        self.outcome.seconds.prepare += (clock.seconds().0 - tree.kdtree).max(0.0);
         self.outcome.cpu_seconds.kdtree = tree.kdtree_cpu;
         // What the thread did for the tree is in the tree's share already.
-        self.outcome.cpu_seconds.prepare = (cpu - tree.kdtree_caller_cpu).max(0.0) + by_helpers;
+        self.outcome.cpu_seconds.prepare += (cpu - tree.kdtree_caller_cpu).max(0.0) + by_helpers;
         if let Some(facts) = &mut self.outcome.scene {
             facts.triangles = prepared.triangles;
             facts.emitters = prepared.emitters;

@@ -47,9 +47,10 @@ use gltf::json;
 use gltf::json::validation::Checked;
 use materials::Materials;
 use nodes::Hierarchy;
+use pictures::{Encoded, Files};
 use pose::Pose;
 use primitive::{Reader, Tangents};
-use report::Report;
+use report::{Report, Seen};
 use std::collections::BTreeMap;
 
 /// Reads a `.gltf` or `.glb` file (told by its first bytes) and what it refers to.
@@ -71,10 +72,67 @@ pub fn import(
     warnings: &mut Vec<Warning>,
     control: &Control,
 ) -> Result<Scene, ImportError> {
+    open(bytes, resources, show, contents, warnings, control)?.finish(resources, warnings, control)
+}
+
+/// A document of which all files and the geometry have been read. Images are encoded still, and meshes lack the tangents that they do not bring.
+pub(crate) struct Opened {
+    root: json::Root,
+    buffers: Buffers,
+    scene: Scene,
+    materials: Materials,
+    without_tangents: Vec<Tangents>,
+    files: Files,
+    seen: Seen,
+}
+
+/// Does of an import what does not depend on pixels. The warnings are complete after [`Opened::finish`].
+///
+/// # Errors
+/// As [`import`].
+pub(crate) fn open(
+    bytes: Vec<u8>,
+    resources: &mut Resources,
+    show: &Show,
+    contents: &mut Contents,
+    warnings: &mut Vec<Warning>,
+    control: &Control,
+) -> Result<Opened, ImportError> {
     let mut report = Report::new(warnings);
-    let result = read(bytes, resources, show, contents, &mut report, control);
-    report.finish();
-    result
+    match read(bytes, resources, show, contents, &mut report, control) {
+        Ok(opened) => Ok(Opened { seen: report.interrupt(), ..opened }),
+        Err(error) => {
+            report.finish();
+            Err(error)
+        }
+    }
+}
+
+impl Opened {
+    /// Gives the meshes their tangents and decodes the images.
+    ///
+    /// # Errors
+    /// [`ErrorCode::TooLarge`] when there are too many texels, and [`ErrorCode::Stopped`].
+    pub(crate) fn finish(
+        mut self,
+        resources: &mut Resources,
+        warnings: &mut Vec<Warning>,
+        control: &Control,
+    ) -> Result<Scene, ImportError> {
+        let mut report = Report::go_on(warnings, std::mem::take(&mut self.seen));
+        let result = self.complete(resources, &mut report, control);
+        report.finish();
+        result
+    }
+
+    fn complete(self, resources: &mut Resources, report: &mut Report, control: &Control) -> Result<Scene, ImportError> {
+        let Self { root, buffers, mut scene, mut materials, without_tangents, files, .. } = self;
+        complete_tangents(without_tangents, &mut materials, &mut scene, report, control)?;
+        scene.materials = materials.list;
+        let encoded = Encoded { root: &root, buffers: &buffers, files };
+        materials.textures.load(encoded, resources, &mut scene, report, control)?;
+        Ok(scene)
+    }
 }
 
 fn read(
@@ -84,7 +142,7 @@ fn read(
     contents: &mut Contents,
     report: &mut Report,
     control: &Control,
-) -> Result<Scene, ImportError> {
+) -> Result<Opened, ImportError> {
     let container::Container { mut json, bytes, bin } = container::split(bytes)?;
     document::check_version(&json)?;
     extensions::check(&json, report)?;
@@ -117,7 +175,7 @@ fn read(
 
     let mut scene = Scene { up: UpAxis::Y, ..Scene::default() };
     let drawn = geometry(accessors, &hierarchy, materials, resources, &mut scene, report, control);
-    let materials = drawn.map_err(|error| match (error.code, unresolved) {
+    let (materials, without_tangents) = drawn.map_err(|error| match (error.code, unresolved) {
         (ErrorCode::Empty, Some(why)) if error.place == Place::File => why,
         _ => error,
     })?;
@@ -126,9 +184,8 @@ fn read(
         scene.cameras.extend(cameras::at_node(&root, *node, &world, report));
         scene.lights.extend(lights::at_node(&root, *node, &world, report));
     }
-    scene.materials = materials.list;
-    materials.textures.load(&root, &buffers, resources, &mut scene, report, control)?;
-    Ok(scene)
+    let files = pictures::read_files(&root, &materials.textures.wanted(), resources, control)?;
+    Ok(Opened { root, buffers, scene, materials, without_tangents, files, seen: Seen::new() })
 }
 
 /// What distinguishes two poses of one mesh: the mesh, its skin, and the bits of its morph weights.
@@ -146,7 +203,7 @@ fn geometry(
     scene: &mut Scene,
     report: &mut Report,
     control: &Control,
-) -> Result<Materials, ImportError> {
+) -> Result<(Materials, Vec<Tangents>), ImportError> {
     let root = accessors.root;
     check_size(&accessors, &hierarchy.shown, resources.limits().max_triangles)?;
     let mut poses: BTreeMap<PoseKey, Vec<Placed>> = BTreeMap::new();
@@ -209,9 +266,7 @@ fn geometry(
     if scene.instances.is_empty() {
         return Err(nothing(&reader));
     }
-    let wanted = reader.without_tangents;
-    complete_tangents(wanted, &mut materials, scene, report, control)?;
-    Ok(materials)
+    Ok((materials, reader.without_tangents))
 }
 
 fn nothing(reader: &Reader) -> ImportError {

@@ -38,9 +38,41 @@ impl Failure {
 /// An image that was looked at: its number among those decoded, or why there is none.
 type Looked = Result<usize, Failure>;
 
+/// Files of images that have been read, or why not, by URI.
+pub(super) type Files = BTreeMap<String, Result<Vec<u8>, ImportError>>;
+
+/// Reads the files of the images that textures name first.
+///
+/// # Errors
+/// [`ErrorCode::Stopped`].
+pub(super) fn read_files(
+    root: &json::Root,
+    textures: &[usize],
+    resources: &mut Resources,
+    control: &Control,
+) -> Result<Files, ImportError> {
+    let mut files = Files::new();
+    for texture in textures {
+        control.check()?;
+        let first = known_images(root, *texture).first().and_then(|image| root.images.get(*image));
+        if let Some(uri) = first.and_then(|image| image.uri.as_ref()).filter(|uri| !files.contains_key(*uri)) {
+            files.insert(uri.clone(), uri::load(uri, resources));
+        }
+    }
+    Ok(files)
+}
+
+/// Where the images of a document are.
+pub(super) struct Encoded<'a> {
+    pub(super) root: &'a json::Root,
+    pub(super) buffers: &'a Buffers,
+    pub(super) files: Files,
+}
+
 struct Pictures<'a, 'r> {
     root: &'a json::Root,
     buffers: &'a Buffers,
+    files: Files,
     resources: &'r mut Resources,
     control: &'r Control,
     /// By place of the bytes.
@@ -59,16 +91,17 @@ struct Pictures<'a, 'r> {
 /// [`ErrorCode::TooLarge`] when the images' headers claim more texels than the limit; [`ErrorCode::Stopped`].
 pub(super) fn load(
     textures: &[usize],
-    root: &json::Root,
-    buffers: &Buffers,
+    encoded: Encoded,
     resources: &mut Resources,
     pictures: &mut Vec<Image>,
     report: &mut Report,
     control: &Control,
 ) -> Result<Vec<Option<ImageId>>, ImportError> {
+    let Encoded { root, buffers, files } = encoded;
     let mut all = Pictures {
         root,
         buffers,
+        files,
         resources,
         control,
         distinct: BTreeMap::new(),
@@ -114,19 +147,26 @@ pub(super) fn load(
     Ok(found)
 }
 
+/// A number that an extension of a texture gives for its image.
+fn by_extension(root: &json::Root, texture: usize, name: &str) -> Option<usize> {
+    let extension = root.textures.get(texture)?.extensions.as_ref()?.others.get(name)?;
+    usize::try_from(extension.get("source")?.as_u64()?).ok()
+}
+
 /// The images that a texture names, the best first.
+fn known_images(root: &json::Root, texture: usize) -> Vec<usize> {
+    let other = |name| by_extension(root, texture, name);
+    let plain = root.textures.get(texture).map(|texture| texture.source.value());
+    let named = [other("EXT_texture_webp"), other("KHR_texture_basisu"), plain, other("MSFT_texture_dds")];
+    named.into_iter().flatten().filter(|image| *image < root.images.len()).collect()
+}
+
+/// As [`known_images`]; that there is none is reported.
 fn candidates(root: &json::Root, texture: usize, report: &mut Report) -> Vec<usize> {
-    let Some(source) = root.textures.get(texture) else { return Vec::new() };
-    let other = |name: &str| {
-        let extension = source.extensions.as_ref()?.others.get(name)?;
-        usize::try_from(extension.get("source")?.as_u64()?).ok()
-    };
-    let [webp, basisu, dds] = ["EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"].map(other);
-    let named = [webp, basisu, Some(source.source.value()), dds].into_iter().flatten();
-    let known: Vec<usize> = named.filter(|image| *image < root.images.len()).collect();
-    if known.is_empty() {
+    let known = known_images(root, texture);
+    if known.is_empty() && texture < root.textures.len() {
         let place = format!("/textures/{texture}");
-        if other("EXT_texture_avif").is_some() {
+        if by_extension(root, texture, "EXT_texture_avif").is_some() {
             let message = "its only image is AVIF, which is not decoded; its inputs go without it";
             report.warn("unsupported-texture", place, message);
         } else {
@@ -150,7 +190,7 @@ impl<'a> Pictures<'a, '_> {
             return known.clone();
         }
         let bytes = match &key {
-            Key::Uri(uri) => uri::load(uri, self.resources).map(Cow::Owned),
+            Key::Uri(uri) => self.files.remove(*uri).unwrap_or_else(|| uri::load(uri, self.resources)).map(Cow::Owned),
             Key::View(view) => {
                 let view = json::Index::new(u32::try_from(*view).unwrap_or(u32::MAX));
                 let place = || format!("/images/{image}/bufferView");

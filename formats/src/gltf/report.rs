@@ -7,12 +7,25 @@ const LISTED_PER_CODE: usize = 16;
 /// Gathers warnings, so that a file with a million equal flaws gives a short list.
 pub(super) struct Report<'a> {
     warnings: &'a mut Vec<Warning>,
-    seen: BTreeMap<&'static str, usize>,
+    seen: Seen,
 }
+
+/// How many warnings of each kind there have been.
+pub(super) type Seen = BTreeMap<&'static str, usize>;
 
 impl<'a> Report<'a> {
     pub(super) fn new(warnings: &'a mut Vec<Warning>) -> Self {
-        Self { warnings, seen: BTreeMap::new() }
+        Self::go_on(warnings, Seen::new())
+    }
+
+    /// Goes on with a report that has been interrupted.
+    pub(super) fn go_on(warnings: &'a mut Vec<Warning>, seen: Seen) -> Self {
+        Self { warnings, seen }
+    }
+
+    /// Interrupts the report.
+    pub(super) fn interrupt(self) -> Seen {
+        self.seen
     }
 
     /// Lists a warning at a JSON pointer.

@@ -1,7 +1,6 @@
 //! Textures: those that materials use.
 
-use super::buffers::Buffers;
-use super::pictures;
+use super::pictures::{self, Encoded};
 use super::report::Report;
 use crate::scene::{ColorSpace, Filter, ImageId, Material, NormalMap, Scene, Surface, Texture, TextureRef, Wrap};
 use crate::{Control, ImportError, Resources};
@@ -26,24 +25,28 @@ impl Textures {
         })
     }
 
-    /// Loads and decodes the images, puts them and the textures into the scene and corrects the materials: an input
+    /// The textures asked for, once each, though one may be read in two colour spaces.
+    pub(super) fn wanted(&self) -> Vec<usize> {
+        let mut known = BTreeSet::new();
+        self.used.iter().map(|(texture, _)| *texture).filter(|t| known.insert(*t)).collect()
+    }
+
+    /// Decodes the images, puts them and the textures into the scene and corrects the materials: an input
     /// whose image cannot be had goes without it.
     ///
     /// # Errors
     /// Those of [`pictures::load`].
     pub(super) fn load(
         self,
-        root: &json::Root,
-        buffers: &Buffers,
+        encoded: Encoded,
         resources: &mut Resources,
         scene: &mut Scene,
         report: &mut Report,
         control: &Control,
     ) -> Result<(), ImportError> {
-        // Once each, though one may be read in two colour spaces.
-        let mut known = BTreeSet::new();
-        let wanted: Vec<usize> = self.used.iter().map(|(texture, _)| *texture).filter(|t| known.insert(*t)).collect();
-        let found = pictures::load(&wanted, root, buffers, resources, &mut scene.images, report, control)?;
+        let wanted = self.wanted();
+        let root = encoded.root;
+        let found = pictures::load(&wanted, encoded, resources, &mut scene.images, report, control)?;
         let mut ids = Vec::new();
         let images: BTreeMap<usize, ImageId> =
             wanted.into_iter().zip(found).filter_map(|(texture, image)| Some((texture, image?))).collect();
