@@ -1,8 +1,8 @@
 //! The OBJ + MTL importer.
 //!
-//! Text goes through a checking reader (`scan`) that drops or mends what is unsound, with the line; where nothing but plain
-//! statements was found their numbers are known by then (`plain`), else `tobj` parses what is left; `mtl` and `material` make glTF-like materials of the MTL statements. Choices where the formats are
-//! silent or their exporters disagree:
+//! Text goes through a checking reader (`scan`) that drops or mends what is unsound, with the line. Where it meets nothing but
+//! plain statements, their numbers are known by then (`plain`), else `tobj` parses what is left; `mtl` and `material` make
+//! glTF-like materials of the MTL statements. Choices where the formats are silent or their exporters disagree:
 //! - one mesh per material (and per presence of normals and texture coordinates); faces without `vn` are smooth within
 //!   their smoothing group (`s`), and flat without one. Attributes that only some corners of a face have are not used on that face;
 //! - vertex colours are sRGB-encoded display values, 0 … 1 or, if any exceeds 2, 0 … 255; MTL colours are linear;
