@@ -71,7 +71,8 @@ fn hostile_scenes_end_soon_and_stay_small() {
         for builder in BUILDERS {
             let tree = build(soup, builder, 1);
             let s = tree.statistics();
-            assert!(s.references <= s.triangles * 3 + 32, "{name}, {builder:?}: {s:?}");
+            let most = if builder == KdTreeBuilder::Sah { 4 } else { 3 };
+            assert!(s.references <= s.triangles * most + 32, "{name}, {builder:?}: {s:?}");
             assert!(s.bytes <= s.triangles * 250, "{name}, {builder:?}: {s:?}");
             assert!(s.build_seconds < 10.0, "{name}, {builder:?}: {s:?}");
         }

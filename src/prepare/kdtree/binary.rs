@@ -36,7 +36,7 @@ impl Node {
     pub fn view(&self) -> View {
         let (axis, rest) = (self.word & 3, self.word >> 2);
         if axis == LEAF {
-            View::Leaf(Leaf { first: rest, count: self.plane_or_count >> 5, pool: self.plane_or_count & 31 })
+            View::Leaf(Leaf { first: rest, count: self.plane_or_count >> 6, pool: self.plane_or_count & 63 })
         } else {
             View::Split(Plane { axis: axis as usize, at: f32::from_bits(self.plane_or_count) }, rest as usize)
         }
@@ -52,7 +52,7 @@ pub fn compile(built: &Built, leaves: &[Leaf]) -> Vec<Node> {
         }
         BuiltKind::Leaf { .. } => {
             let leaf = leaves.next().copied().unwrap_or(Leaf { first: 0, count: 0, pool: 0 });
-            Node { plane_or_count: leaf.count << 5 | leaf.pool, word: leaf.first << 2 | LEAF }
+            Node { plane_or_count: leaf.count << 6 | leaf.pool, word: leaf.first << 2 | LEAF }
         }
     };
     built.cells.iter().enumerate().map(node).collect()

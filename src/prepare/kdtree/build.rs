@@ -13,6 +13,9 @@ use rayon::prelude::*;
 const FORK_ABOVE: usize = 16 * 1024;
 /// A tree has at most this many references for each triangle.
 const MAX_REFERENCES_PER_TRIANGLE: f64 = 3.0;
+/// The same where the surface area heuristic chooses: it spends more only on long thin triangles in all directions, where three
+/// leave leaves of two hundred.
+const MAX_REFERENCES_BY_COST: f64 = 4.0;
 /// Duplicates that even the smallest scene may have.
 const MIN_BUDGET: usize = 32;
 /// How many references are made between two looks at the control.
@@ -50,7 +53,11 @@ pub fn build<T: Triangles>(
     if refs.is_empty() {
         return Ok(out);
     }
-    let budget = MIN_BUDGET + (refs.len() as f64 * (MAX_REFERENCES_PER_TRIANGLE - 1.0)) as usize;
+    let most = match options.builder {
+        KdTreeBuilder::Auto | KdTreeBuilder::Sah => MAX_REFERENCES_BY_COST,
+        KdTreeBuilder::Median | KdTreeBuilder::Sampled => MAX_REFERENCES_PER_TRIANGLE,
+    };
+    let budget = MIN_BUDGET + (refs.len() as f64 * (most - 1.0)) as usize;
     let root = cpu.measure(|| {
         out.thickness = refs.iter().map(Bounds::thickness).fold(0.0, f32::max);
         Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 }

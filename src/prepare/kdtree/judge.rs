@@ -4,7 +4,7 @@
 //! moment ago, no branches. Counts are of whole references by [`super::split::sides`], so nothing is estimated.
 
 use super::bounds::Reference;
-use super::split::{BLOCK, COST_BLOCK, COST_VISIT, Candidate, Cell, Plane, sides};
+use super::split::{COST_BLOCK, COST_VISIT, Candidate, Cell, Plane, full_blocks, sides};
 
 /// Planes that are judged at once.
 pub const PLANES: usize = 16;
@@ -118,8 +118,7 @@ impl Judged {
             let from = self.inner[1][k];
             let left_area = area((if up_to < at { up_to } else { at }) - lo, &self.left_ends);
             let right_area = area(hi - (if from > at { from } else { at }), &self.right_ends);
-            let blocks = |count: i32| (count as f32 * (weight / BLOCK as f32)).ceil();
-            let sum = left_area * blocks(left) + right_area * blocks(right);
+            let sum = left_area * full_blocks(left as f32 * weight) + right_area * full_blocks(right as f32 * weight);
             let divides = (left > 0) & (right > 0) & (lo < at) & (at < hi) & (both <= budget);
             *cost = if divides { visit + COST_BLOCK * sum } else { f32::INFINITY };
         }

@@ -70,7 +70,8 @@ fn refine(judge: impl Judge, refs: &[Reference], cell: &Cell, coarse: Candidate,
     best.unwrap_or(coarse)
 }
 
-/// The tree's expected cost of a ray that meets the root: what the builders minimise.
+/// The tree's expected cost of a ray that meets the root, by the blocks that it tests: what the builders minimise, but for room in
+/// blocks.
 ///
 /// `cells` yields the half area of each cell's box, and the number of references if it is a leaf.
 pub fn tree_cost(root_area: f32, cells: impl Iterator<Item = (f32, Option<usize>)>) -> f64 {

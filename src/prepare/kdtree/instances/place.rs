@@ -3,7 +3,7 @@
 //! Traversal of a shared tree looks for cells in the mesh's coordinates and meets triangles in the common ones: corners are
 //! placed as [`Placement`] does it everywhere, so that a hit on an instance is the hit on a copy of it, bit for bit.
 
-use super::super::block::{Block, words_of};
+use super::super::block::{Block, POOL, words_of};
 use super::super::split::BLOCK;
 use super::super::wide::kernel::Kernel;
 use crate::math::Placement;
@@ -64,6 +64,18 @@ impl Place for Placing<'_> {
         let (len, pool) = (block.len, block.pool);
         let ids = words_of(len, pool) - len;
         // Whole rows of sixteen, whatever their lengths: so all vectors are stored and loaded alike.
+        if pool > BLOCK {
+            let mut half = [0; 3 * BLOCK];
+            for begin in [0, BLOCK] {
+                kernel.place(placement, &block.words[begin..], pool, &mut half);
+                for axis in 0..3 {
+                    *sixteen_mut(&mut self.words, axis * POOL + begin) = *sixteen(&half, axis * BLOCK);
+                }
+            }
+            *sixteen_mut(&mut self.words, 3 * POOL) = *sixteen(block.words, 3 * pool);
+            number(&mut self.words, words_of(0, POOL), sixteen(block.words, ids), self.first);
+            return Block { len, pool: POOL, words: &self.words };
+        }
         if pool > 0 {
             kernel.place(placement, block.words, pool, rows(&mut self.words, 0));
             *sixteen_mut(&mut self.words, 3 * BLOCK) = *sixteen(block.words, 3 * pool);

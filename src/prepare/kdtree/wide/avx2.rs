@@ -5,7 +5,7 @@ use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
 use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::{BoxRay, Job, Kernel, UPPER};
+use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -153,8 +153,7 @@ fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
     }
 }
 
-/// Edge functions in f32: rounding is monotone, so a sign other than zero is right, and a triangle with edges of both
-/// signs is not met.
+/// As in [`super::avx512`], where the reasons are, eight triangles at a time.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
@@ -162,59 +161,110 @@ fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
     assert!(block.words.len() >= words_of(len, pool) + 16);
     let base = block.words.as_ptr().cast::<f32>();
     let [x, y, z] = ray.axes;
-    let origin = |axis: usize| _mm256_set1_ps(ray.origin[axis]);
-    let (origin_x, origin_y, origin_z) = (origin(x), origin(y), origin(z));
-    let (shear_x, shear_y) = (_mm256_set1_ps(ray.shear_x), _mm256_set1_ps(ray.shear_y));
-    let shear = |at_x: usize, at_y: usize, at_z: usize| {
-        // SAFETY: plain loads begin at 8·len + 8 at most, pooled ones at 2·pool + 8; each reads 8 words, which the
-        // assertion allows.
-        let load = |at: usize| unsafe { _mm256_loadu_ps(base.add(at)) };
-        let along = _mm256_sub_ps(load(at_z), origin_z);
-        let across_x = _mm256_sub_ps(load(at_x), origin_x);
-        let across_y = _mm256_sub_ps(load(at_y), origin_y);
-        [_mm256_sub_ps(across_x, _mm256_mul_ps(shear_x, along)), _mm256_sub_ps(across_y, _mm256_mul_ps(shear_y, along))]
-    };
-    let mut halves = [[_mm256_setzero_ps(); 2]; 2];
-    if pool > 0 {
-        for (half, points) in halves.iter_mut().enumerate() {
-            *points = shear(x * pool + 8 * half, y * pool + 8 * half, z * pool + 8 * half);
-        }
+    let origin = [x, y, z].map(|axis| _mm256_set1_ps(ray.origin[axis]));
+    let shears = [_mm256_set1_ps(ray.shear_x), _mm256_set1_ps(ray.shear_y)];
+    let dir_z = _mm256_set1_ps(ray.dir_z);
+    let mut points = [[_mm256_setzero_ps(); 3]; 4];
+    for (k, points) in points.iter_mut().enumerate().take(pool.div_ceil(8)) {
+        // SAFETY: begins at 2·pool + 8·k at most, where 8·k is less than the pool, and reads 8 words.
+        *points = unsafe { shear(base.add(8 * k), [x * pool, y * pool, z * pool], origin, shears) };
     }
-    let mut missed = 0;
+    let mut all = 0;
     for begin in (0..len).step_by(8) {
-        let mut sheared = [[_mm256_setzero_ps(); 2]; 3];
-        for (k, corner) in sheared.iter_mut().enumerate() {
+        let mut sheared = [[_mm256_setzero_ps(); 3]; 3];
+        let mut indices = [_mm256_setzero_si256(); 3];
+        for k in 0..3 {
             if pool == 0 {
-                let row = |axis: usize| (3 * k + axis) * len + begin;
-                *corner = shear(row(x), row(y), row(z));
+                // SAFETY: begins at 8·len + 8 at most and reads 8 words, which the assertion allows.
+                sheared[k] =
+                    unsafe { shear(base.add(3 * k * len + begin), [x * len, y * len, z * len], origin, shears) };
             } else {
                 // SAFETY: eight of the 48 bytes of indices, which begin at 3·pool words.
-                let bytes = unsafe { _mm_loadl_epi64(base.add(3 * pool + 4 * k + begin / 4).cast()) };
-                let indices = _mm256_cvtepu8_epi32(bytes);
-                // Bit 3 of an index selects the half; blending looks at the sign bit.
-                let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(indices));
-                for (axis, coordinate) in corner.iter_mut().enumerate() {
-                    let low = _mm256_permutevar8x32_ps(halves[0][axis], indices);
-                    let high = _mm256_permutevar8x32_ps(halves[1][axis], indices);
-                    *coordinate = _mm256_blendv_ps(low, high, upper);
-                }
+                indices[k] =
+                    unsafe { _mm256_cvtepu8_epi32(_mm_loadl_epi64(base.add(3 * pool + 4 * k + begin / 4).cast())) };
+                sheared[k][0] = pick(&points, 0, indices[k], pool > 16);
+                sheared[k][1] = pick(&points, 1, indices[k], pool > 16);
             }
         }
-        let [[ax, ay], [bx, by], [cx, cy]] = sheared;
-        let edge = |px, py, qx, qy| _mm256_sub_ps(_mm256_mul_ps(px, qy), _mm256_mul_ps(py, qx));
+        let [a, b, c] = sheared;
+        let ([u, u_size], [v, v_size], [w, w_size]) = (edge(c, b), edge(a, c), edge(b, a));
         let zero = _mm256_setzero_ps();
-        let (mut negative, mut positive) = (zero, zero);
-        for side in [edge(cx, cy, bx, by), edge(ax, ay, cx, cy), edge(bx, by, ax, ay)] {
-            negative = _mm256_or_ps(negative, _mm256_cmp_ps::<_CMP_LT_OQ>(side, zero));
-            positive = _mm256_or_ps(positive, _mm256_cmp_ps::<_CMP_GT_OQ>(side, zero));
+        let negative = _mm256_cmp_ps::<_CMP_LT_OQ>(_mm256_min_ps(_mm256_min_ps(u, v), w), zero);
+        let positive = _mm256_cmp_ps::<_CMP_GT_OQ>(_mm256_max_ps(_mm256_max_ps(u, v), w), zero);
+        let real = (1u32 << (len - begin).min(8)) - 1;
+        let met = !(_mm256_movemask_ps(_mm256_and_ps(negative, positive)) as u32) & real;
+        if met == 0 {
+            continue;
         }
+        let mut along_z = [a[2], b[2], c[2]];
+        if pool > 0 {
+            along_z = indices.map(|at| pick(&points, 2, at, pool > 16));
+        }
+        let [az, bz, cz] = along_z;
+        let along = _mm256_fmadd_ps(u, az, _mm256_fmadd_ps(v, bz, _mm256_mul_ps(w, cz)));
+        let size = _mm256_mul_ps(w_size, abs(cz));
+        let size = _mm256_fmadd_ps(u_size, abs(az), _mm256_fmadd_ps(v_size, abs(bz), size));
+        let det = _mm256_add_ps(_mm256_add_ps(u, v), w);
+        let turn = _mm256_and_ps(_mm256_xor_ps(det, dir_z), _mm256_set1_ps(-0.0));
+        let forward = _mm256_add_ps(_mm256_xor_ps(along, turn), _mm256_set1_ps(BEHIND_UNDERFLOW));
+        let most = _mm256_fmadd_ps(size, _mm256_set1_ps(BEHIND_ERROR), forward);
+        let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(most, zero);
         // SAFETY: eight of the triangles' numbers, or what follows them, which the assertion allows.
         let ids = unsafe { _mm256_loadu_si256(base.add(words_of(len, pool) - len + begin).cast()) };
         let out = _mm256_castsi256_ps(_mm256_cmpeq_epi32(ids, _mm256_set1_epi32(barred as i32)));
-        let not = _mm256_or_ps(_mm256_and_ps(negative, positive), out);
-        missed |= (_mm256_movemask_ps(not) as u32) << begin;
+        all |= (met & !(_mm256_movemask_ps(_mm256_or_ps(behind, out)) as u32)) << begin;
     }
-    !missed & ((1 << len) - 1)
+    all
+}
+
+/// Eight corners from `base` on, whose x, y, z begin at `at`: sheared x and y, and the distance along z.
+///
+/// # Safety
+/// Eight words follow each place.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+unsafe fn shear(base: *const f32, at: [usize; 3], origin: [__m256; 3], shears: [__m256; 2]) -> [__m256; 3] {
+    // SAFETY: as promised.
+    let [x, y, z] = unsafe {
+        [_mm256_loadu_ps(base.add(at[0])), _mm256_loadu_ps(base.add(at[1])), _mm256_loadu_ps(base.add(at[2]))]
+    };
+    let along = _mm256_sub_ps(z, origin[2]);
+    let (across_x, across_y) = (_mm256_sub_ps(x, origin[0]), _mm256_sub_ps(y, origin[1]));
+    [
+        _mm256_sub_ps(across_x, _mm256_mul_ps(shears[0], along)),
+        _mm256_sub_ps(across_y, _mm256_mul_ps(shears[1], along)),
+        along,
+    ]
+}
+
+/// A coordinate of points of a pool by their numbers; of the first sixteen unless there are `more`.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn pick(points: &[[__m256; 3]; 4], axis: usize, at: __m256i, more: bool) -> __m256 {
+    // Bits 3 and 4 of a number select the eighth and the half; blending looks at the sign bit.
+    let eighth = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(at));
+    let low = _mm256_permutevar8x32_ps(points[0][axis], at);
+    let first = _mm256_blendv_ps(low, _mm256_permutevar8x32_ps(points[1][axis], at), eighth);
+    if !more {
+        return first;
+    }
+    let low = _mm256_permutevar8x32_ps(points[2][axis], at);
+    let second = _mm256_blendv_ps(low, _mm256_permutevar8x32_ps(points[3][axis], at), eighth);
+    _mm256_blendv_ps(first, second, _mm256_castsi256_ps(_mm256_slli_epi32::<27>(at)))
+}
+
+/// An edge function of two corners, and the sum of its products' magnitudes.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn edge(p: [__m256; 3], q: [__m256; 3]) -> [__m256; 2] {
+    let (one, other) = (_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0]));
+    [_mm256_sub_ps(one, other), _mm256_add_ps(abs(one), abs(other))]
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+fn abs(x: __m256) -> __m256 {
+    _mm256_andnot_ps(_mm256_set1_ps(-0.0), x)
 }
 
 #[inline]

@@ -5,7 +5,7 @@ use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
 use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::{BoxRay, Job, Kernel, UPPER};
+use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -191,16 +191,14 @@ unsafe fn edge(p: [__m512; 3], q: [__m512; 3]) -> [__m512; 2] {
 /// signs is not met.
 ///
 /// With u = 2⁻²⁴, an edge function of products p and q is off by 2u·(|p| + |q|) at most, and the numerator of the distance,
-/// which is their sum weighted by the corners' z, by 5u times the like sum of magnitudes. With 8u instead, and a little for what
-/// underflow takes away, a triangle is left out that certainly lies behind the ray's origin. (Where the denominator's sign is
+/// which is their sum weighted by the corners' z, by 5u times the like sum of magnitudes. With 8u instead ([`BEHIND_ERROR`]), and a
+/// little for what underflow takes away, a triangle is left out that certainly lies behind the ray's origin. (Where the denominator's sign is
 /// wrong, exact edges have both signs.)
 ///
 /// # Safety
 /// For machines with the features.
 #[inline(always)]
 unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
-    const ERROR: f32 = 8.0 / 16_777_216.0;
-    const UNDERFLOW: f32 = 1e-30;
     let (len, pool) = (block.len, block.pool);
     assert!(block.words.len() >= words_of(len, pool) + WIDTH);
     let base = block.words.as_ptr().cast::<f32>();
@@ -215,6 +213,16 @@ unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
             a = shear(base, [x * len, y * len, z * len], origin, shears);
             b = shear(base.add(3 * len), [x * len, y * len, z * len], origin, shears);
             c = shear(base.add(6 * len), [x * len, y * len, z * len], origin, shears);
+        } else if pool > WIDTH {
+            let low = shear(base, [x * pool, y * pool, z * pool], origin, shears);
+            let high = shear(base.add(WIDTH), [x * pool, y * pool, z * pool], origin, shears);
+            let indices = base.add(3 * pool);
+            let i = _mm512_cvtepu8_epi32(_mm_loadu_si128(indices.cast()));
+            let j = _mm512_cvtepu8_epi32(_mm_loadu_si128(indices.add(4).cast()));
+            let k = _mm512_cvtepu8_epi32(_mm_loadu_si128(indices.add(8).cast()));
+            a = pick(low, high, i);
+            b = pick(low, high, j);
+            c = pick(low, high, k);
         } else {
             let [px, py, pz] = shear(base, [x * pool, y * pool, z * pool], origin, shears);
             let indices = base.add(3 * pool);
@@ -229,7 +237,10 @@ unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
         let zero = _mm512_setzero_ps();
         let negative = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_min_ps(_mm512_min_ps(u, v), w), zero);
         let positive = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(_mm512_max_ps(_mm512_max_ps(u, v), w), zero);
-
+        let met = u32::from(!(negative & positive)) & ((1 << len) - 1);
+        if met == 0 {
+            return 0;
+        }
         let (az, bz, cz) = (a[2], b[2], c[2]);
         let along = _mm512_fmadd_ps(u, az, _mm512_fmadd_ps(v, bz, _mm512_mul_ps(w, cz)));
         let size = _mm512_mul_ps(w_size, _mm512_abs_ps(cz));
@@ -241,13 +252,29 @@ unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
         let turn = _mm512_xor_si512(_mm512_castps_si512(det), _mm512_castps_si512(_mm512_set1_ps(ray.dir_z)));
         let turn = _mm512_and_si512(turn, sign);
         let forward = _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(along), turn));
-        let error = _mm512_set1_ps(ERROR);
-        let underflow = _mm512_set1_ps(UNDERFLOW);
+        let error = _mm512_set1_ps(BEHIND_ERROR);
+        let underflow = _mm512_set1_ps(BEHIND_UNDERFLOW);
         let most = _mm512_fmadd_ps(size, error, _mm512_add_ps(forward, underflow));
         let behind = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(most, zero);
         let ids = _mm512_loadu_si512(base.add(words_of(len, pool) - len).cast());
         let out = _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred as i32));
-        u32::from(!(negative & positive | behind | out)) & ((1 << len) - 1)
+        met & !u32::from(behind | out)
+    }
+}
+
+/// Points of a pool of 32, the first sixteen and the others, by their numbers.
+///
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn pick(low: [__m512; 3], high: [__m512; 3], at: __m512i) -> [__m512; 3] {
+    // SAFETY: as promised.
+    unsafe {
+        [
+            _mm512_permutex2var_ps(low[0], at, high[0]),
+            _mm512_permutex2var_ps(low[1], at, high[1]),
+            _mm512_permutex2var_ps(low[2], at, high[2]),
+        ]
     }
 }
 

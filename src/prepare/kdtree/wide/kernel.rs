@@ -28,6 +28,11 @@ pub struct BoxRay {
 /// From a row of lower ends to that of upper ends, in numbers.
 pub const UPPER: u32 = 3 * WIDTH as u32;
 
+/// Error of the numerator of a distance in f32, relative to the magnitudes in it: see the AVX-512 kernel.
+pub const BEHIND_ERROR: f32 = 8.0 / 16_777_216.0;
+/// What underflow may take away from it.
+pub const BEHIND_UNDERFLOW: f32 = 1e-30;
+
 impl BoxRay {
     /// Prepares a ray in place.
     #[inline(always)]

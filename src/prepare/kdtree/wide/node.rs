@@ -31,9 +31,9 @@ pub struct WideNode {
 const LEAF: u32 = 1 << 31;
 const LARGE: u32 = 1 << 30;
 const COUNT_SHIFT: u32 = 26;
-const POOL_SHIFT: u32 = 21;
+const POOL_SHIFT: u32 = 20;
 /// Grains that a leaf of up to 16 references may lie behind its node's base; a node's leaves of that kind come first, and
-/// take less than 16 times 20 grains.
+/// take at most 16 times 20 grains.
 pub const MAX_OFFSET: u32 = (1 << POOL_SHIFT) - 1;
 
 /// What is in a slot.
@@ -65,7 +65,7 @@ impl Child {
             Self::Node(word)
         } else if word & LARGE == 0 {
             let count = ((word >> COUNT_SHIFT) & 15) + 1;
-            Self::Leaf(Leaf { first: base + (word & MAX_OFFSET), count, pool: (word >> POOL_SHIFT) & 31 })
+            Self::Leaf(Leaf { first: base + (word & MAX_OFFSET), count, pool: (word >> POOL_SHIFT) & 63 })
         } else {
             Self::Leaf(large(base + (word & (LARGE - 1))))
         }
@@ -121,7 +121,7 @@ mod tests {
     fn a_node_fills_eight_cache_lines_and_words_round_trip() {
         assert_eq!(size_of::<WideNode>(), 512);
         let leaf = |first, count, pool| Child::Leaf(Leaf { first: 99 + first, count, pool });
-        let children = [Child::Node(77), leaf(12345, 1, 0), leaf(MAX_OFFSET, 16, 16), leaf(0, 3, 5), leaf(5, 40, 0)];
+        let children = [Child::Node(77), leaf(12345, 1, 0), leaf(MAX_OFFSET, 16, 32), leaf(0, 3, 5), leaf(5, 40, 0)];
         for child in children {
             let large = |first| Leaf { first, count: 40, pool: 0 };
             assert_eq!(Child::decode(child.encode(99), 99, large), child);

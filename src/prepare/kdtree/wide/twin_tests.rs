@@ -96,8 +96,10 @@ fn check(kernel: impl Kernel) -> u32 {
         }
 
         let len = 1 + i % 16;
-        let points: Vec<Vec3> = (0..len + 2).map(|_| random.point()).collect();
-        let strip = Strip(points.windows(3).map(|w| [w[0], w[1], w[2]]).collect());
+        // Neighbours share two corners, or one: then there are up to 31 different ones.
+        let step = 1 + (i / 16) % 2;
+        let points: Vec<Vec3> = (0..step * len + 2).map(|_| random.point()).collect();
+        let strip = Strip(points.windows(3).step_by(step).map(|w| [w[0], w[1], w[2]]).collect());
         let ids: Vec<u32> = (0..len as u32).collect();
         for (pool, indices) in [(0, [[0; 16]; 3]), block::pool(&ids, &strip)] {
             let mut words = vec![0; words_of(len, pool)];
@@ -138,7 +140,7 @@ fn check_places(kernel: impl Kernel) {
 fn avx2_does_what_plain_code_does() {
     match super::avx2::Avx2::new() {
         Some(kernel) => {
-            assert!(check(kernel) < 4000, "the line misses most");
+            assert!(check(kernel) < 20, "next to nothing is tested in vain");
             check_places(kernel);
         }
         None => println!("skipped: no AVX2 on this machine"),
