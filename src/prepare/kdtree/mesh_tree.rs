@@ -29,12 +29,17 @@ impl MeshTree {
         let options = &BuildOptions { builder: options.builder_for(triangles.len()), ..*options };
         let built = build::build(triangles, options, control, cpu)?;
         control.check()?;
-        let contents = leaves::Contents::new(&built, triangles, cpu);
+        let (grouping, contents) = rayon::join(
+            || cpu.measure(|| wide::grouping::Grouping::new(&built)),
+            || leaves::Contents::new(&built, triangles, cpu),
+        );
         let mut planner = leaves::Planner::new(&contents.pools);
-        let wide = cpu.measure(|| wide::collapse::collapse(&built, &mut planner));
+        let wide = cpu.measure(|| wide::collapse::collapse(&built, &grouping, &mut planner));
         control.check()?;
-        let leaves = leaves::LeafStore::new(&contents, &planner, triangles, cpu);
-        let nodes = cpu.measure(|| binary::compile(&built, planner.leaves()));
+        let (nodes, leaves) = rayon::join(
+            || cpu.measure(|| binary::compile(&built, planner.leaves())),
+            || leaves::LeafStore::new(&contents, &planner, triangles, cpu),
+        );
         let bounds = built.cells.first().map_or(Bounds::EMPTY, |root| root.bounds);
         let largest = (0..3).map(|axis| bounds.lo(axis).abs().max(bounds.hi(axis).abs())).fold(0.0, f32::max);
         // Sums with planes may round by half an ulp of the coordinates.

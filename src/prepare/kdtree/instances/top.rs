@@ -5,6 +5,7 @@ use super::super::built::{Built, BuiltKind};
 use super::super::leaves::Leaf;
 use super::super::split::{Cell, MAX_DEPTH, Plane};
 use super::super::wide::collapse::{Places, collapse};
+use super::super::wide::grouping::Grouping;
 use super::super::wide::node::WideNode;
 
 /// Below this depth, halves are equally large, so that the tree ends.
@@ -32,7 +33,7 @@ pub fn build(boxes: &[Bounds]) -> Vec<WideNode> {
         divide(boxes, &mut order, 0, &mut built);
         built.widen();
     }
-    collapse(&built, &mut Numbered(&order))
+    collapse(&built, &Grouping::new(&built), &mut Numbered(&order))
 }
 
 fn centre(bounds: &Bounds, axis: usize) -> f32 {

@@ -77,9 +77,8 @@ impl Treelet {
 
 /// Collapses a binary tree to wide nodes, the root first; none when there are no triangles. The leaves of a node get places next
 /// to each other.
-pub fn collapse(built: &Built, places: &mut impl Places) -> Vec<WideNode> {
+pub fn collapse(built: &Built, grouping: &Grouping, places: &mut impl Places) -> Vec<WideNode> {
     let leaf_numbers = built.leaf_numbers();
-    let grouping = Grouping::new(built);
     let mut nodes = Vec::new();
     let (mut small, mut large) = (Vec::new(), Vec::new());
     // Nodes to be made: place among the nodes, and the binary cell.
@@ -89,7 +88,7 @@ pub fn collapse(built: &Built, places: &mut impl Places) -> Vec<WideNode> {
         tasks.push((0usize, 0usize));
     }
     while let Some((place, cell)) = tasks.pop() {
-        let treelet = Treelet::grow(built, &grouping, cell);
+        let treelet = Treelet::grow(built, grouping, cell);
         let mut node = WideNode::empty();
         node.leaf_base = places.base();
         let mut slot_of_part = [0usize; 2 * WIDTH];

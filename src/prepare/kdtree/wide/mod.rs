@@ -10,7 +10,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 pub mod collapse;
-mod grouping;
+pub mod grouping;
 pub mod kernel;
 pub mod node;
 pub mod packet;
