@@ -1,9 +1,10 @@
 //! Rays a second: the kd-tree's forms against each other, and against Embree.
 //!
-//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce] [--threads N] [--builds N]
+//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce] [--threads N] [--builds N] [--copies]
 //!
 //! A form may end in -stream or -packet: rays go to the tree in batches, as scattered or as coherent ones. Meshes are made here: scan, terrain, knot, stadium, hair, foliage,
-//! straw, box; the first three in any size, as scan:10000. Rays come from the tree itself: a camera, one bounce
+//! straw, box, fur, clutter; scan, terrain, knot, hair and straw in any size, as scan:10000. A hundred placements of a mesh are many-MESH: shared on
+//! both sides, or with --copies copied on ours. Rays come from the tree itself: a camera, one bounce
 //! (diffuse) from each hit, the same shuffled, a second bounce, and a shadow ray to a point of a light above. All contenders take turns, pass
 //! by pass, on one thread (ours on N if asked for: CPU seconds of all); the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
 //! mesh and the rays as files and is asked for passes over its standard input.
@@ -12,6 +13,8 @@
 
 #[path = "bench_rays/embree.rs"]
 mod embree;
+#[path = "bench_rays/many.rs"]
+mod many;
 #[path = "bench_rays/meshes.rs"]
 mod meshes;
 #[path = "bench_rays/rays.rs"]
@@ -30,6 +33,7 @@ struct Arguments {
     passes: usize,
     embree: Option<String>,
     robust: bool,
+    copies: bool,
     forms: Vec<String>,
     sets: Vec<String>,
     builder: KdTreeBuilder,
@@ -43,6 +47,7 @@ fn arguments() -> Arguments {
         passes: 5,
         embree: None,
         robust: false,
+        copies: false,
         forms: vec!["avx512".into()],
         sets: Vec::new(),
         builder: KdTreeBuilder::Sah,
@@ -56,6 +61,7 @@ fn arguments() -> Arguments {
             "--passes" => asked.passes = value().parse().expect("a number of passes"),
             "--embree" => asked.embree = Some(value()),
             "--robust" => asked.robust = true,
+            "--copies" => asked.copies = true,
             "--threads" => asked.threads = value().parse().expect("a number of threads"),
             "--builds" => asked.builds = value().parse().expect("a number of builds"),
             "--forms" => asked.forms = value().split(',').map(String::from).collect(),
@@ -165,10 +171,17 @@ fn main() {
     println!("mesh\trays\tcontender\tMrays/s\tratio\thits\tmean_t");
     let mut logs: Vec<f64> = Vec::new();
     for name in &asked.meshes {
-        let mesh = meshes::make(name);
+        // As many-scan:10000: a hundred placements.
+        let shared = name.strip_prefix("many-").map(meshes::make);
+        let many = shared.as_ref().map(many::Many::new);
+        let whole = if many.is_none() { Some(meshes::make(name)) } else { None };
+        let mesh = whole.as_ref().or(many.as_ref().map(|many| &many.all)).expect("one of them");
         let build = |simd| {
             let options = BuildOptions { builder: asked.builder, seed: 1, simd, ..BuildOptions::default() };
-            KdTree::build(&mesh, &options, &Control::default()).expect("not stopped")
+            if let (Some(many), Some(shared), false) = (&many, &shared, asked.copies) {
+                return many.tree(shared, &options);
+            }
+            KdTree::build(mesh, &options, &Control::default()).expect("not stopped")
         };
         let tier = |form: &str| -> SimdTier {
             form.trim_end_matches("-stream").trim_end_matches("-packet").parse().unwrap_or(SimdTier::Scalar)
@@ -196,8 +209,11 @@ fn main() {
             statistics.sah_cost,
             statistics.bytes as f64 / statistics.triangles as f64,
         );
-        let sets = rays::sets(&mesh, trees[0].1);
-        let mut rival = asked.embree.as_ref().map(|program| embree::Rival::new(program, &mesh, asked.robust));
+        let sets = rays::sets(mesh, trees[0].1);
+        let mut rival = asked.embree.as_ref().map(|program| {
+            let maps = many.as_ref().map_or(&[][..], |many| &many.maps);
+            embree::Rival::new(program, shared.as_ref().unwrap_or(mesh), maps, asked.robust)
+        });
         if let Some(rival) = &rival {
             println!("# {name}: embree built in {:.3} s ({:.3} CPU)", rival.build_seconds, rival.build_cpu);
         }

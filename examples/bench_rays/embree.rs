@@ -3,6 +3,7 @@
 use crate::Pass;
 use crate::meshes::Mesh;
 use crate::rays::Set;
+use glam::DAffine3;
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
@@ -17,7 +18,8 @@ pub struct Rival {
 }
 
 impl Rival {
-    pub fn new(program: &str, mesh: &Mesh, robust: bool) -> Self {
+    /// Over a mesh, or over placements of it.
+    pub fn new(program: &str, mesh: &Mesh, maps: &[DAffine3], robust: bool) -> Self {
         let folder = std::env::temp_dir().join(format!("bench_rays_{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a temporary folder");
         let mut bytes = Vec::new();
@@ -27,9 +29,13 @@ impl Rival {
         bytes.extend(mesh.faces.as_flattened().iter().flat_map(|i| i.to_le_bytes()));
         let path = folder.join("mesh.bin");
         std::fs::write(&path, bytes).expect("a writable temporary folder");
+        let placements = folder.join("placements.bin");
+        let columns = maps.iter().flat_map(|map| map.to_cols_array()).flat_map(|x| (x as f32).to_le_bytes());
+        std::fs::write(&placements, columns.collect::<Vec<u8>>()).expect("a writable temporary folder");
         let mut child = Command::new(program)
             .arg(path)
             .args(robust.then_some("robust"))
+            .args((!maps.is_empty()).then_some(placements))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()

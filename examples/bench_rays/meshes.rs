@@ -3,7 +3,8 @@
 use glam::Vec3;
 use kiln::prepare::kdtree::Triangles;
 
-pub const NAMES: [&str; 8] = ["scan", "terrain", "knot", "stadium", "hair", "foliage", "straw", "box"];
+pub const NAMES: [&str; 10] =
+    ["scan", "terrain", "knot", "stadium", "hair", "foliage", "straw", "box", "fur", "clutter"];
 
 /// Corners and faces.
 pub struct Mesh {
@@ -145,9 +146,9 @@ fn stadium() -> Mesh {
 }
 
 /// Curved strands of thin triangles on a ball.
-fn hair() -> Mesh {
+fn hair(triangles: Option<u32>) -> Mesh {
     let mut all = Mesh { points: Vec::new(), faces: Vec::new() };
-    for strand in 0..14_000u32 {
+    for strand in 0..triangles.unwrap_or(224_000) / 16 {
         let (z, a) = (1.0 - 2.0 * hash(strand, 0), core::f32::consts::TAU * hash(strand, 1));
         let r = (1.0 - z * z).max(0.0).sqrt();
         let root = Vec3::new(r * libm::cosf(a), z, r * libm::sinf(a));
@@ -199,9 +200,9 @@ fn cornell_box() -> Mesh {
 }
 
 /// Long thin triangles in all directions.
-fn straw() -> Mesh {
+fn straw(triangles: Option<u32>) -> Mesh {
     let mut all = Mesh { points: Vec::new(), faces: Vec::new() };
-    for stalk in 0..112_500u32 {
+    for stalk in 0..triangles.unwrap_or(225_000) / 2 {
         let h = |k: u32| hash(stalk, k) * 2.0 - 1.0;
         let at = Vec3::new(h(0), h(1), h(2));
         let along = Vec3::new(h(3), h(4), h(5)).normalize_or(Vec3::X) * (0.1 + 0.3 * hash(stalk, 6));
@@ -211,7 +212,49 @@ fn straw() -> Mesh {
     all
 }
 
-/// A mesh by its name; scan, terrain and knot may be followed by a colon and the number of triangles, about.
+/// Blades that lean over a hilly ground, each of three long segments.
+fn fur() -> Mesh {
+    let ground = |x: f32, z: f32| 0.15 * libm::sinf(3.0 * x) * libm::cosf(2.0 * z);
+    let mut all = grid(100, 100, |u, v| {
+        let (x, z) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+        Vec3::new(x, ground(x, z), z)
+    });
+    for blade in 0..60_000u32 {
+        let h = |k: u32| hash(blade, k) * 2.0 - 1.0;
+        let root = Vec3::new(h(0), ground(h(0), h(1)), h(1));
+        let (lean, side) =
+            (Vec3::new(h(2), 0.0, h(3)) * 0.15, Vec3::new(h(4), 0.0, h(5)).normalize_or(Vec3::X) * 0.001);
+        let height = 0.12 + 0.08 * hash(blade, 6);
+        push(
+            &mut all,
+            grid(3, 1, |u, v| {
+                root + Vec3::Y * (height * u) + lean * (u * u) + side * ((2.0 * v - 1.0) * (1.0 - 0.8 * u))
+            }),
+        );
+    }
+    all
+}
+
+/// Small round bodies of many sizes, strewn about.
+fn clutter() -> Mesh {
+    let mut all = grid(4, 4, |u, v| Vec3::new(20.0 * u - 10.0, 0.0, 20.0 * v - 10.0));
+    for body in 0..1500u32 {
+        let h = |k: u32| hash(body, k) * 2.0 - 1.0;
+        let size = 0.04 + 0.5 * libm::powf(hash(body, 3), 6.0);
+        let at = Vec3::new(9.0 * h(0), size + 1.5 * hash(body, 1) * hash(body, 1), 9.0 * h(2));
+        push(
+            &mut all,
+            grid(24, 12, |u, v| {
+                let (a, b) = (core::f32::consts::TAU * u, core::f32::consts::PI * v);
+                let r = size * (1.0 + 0.2 * libm::sinf(3.0 * a + body as f32) * libm::sinf(b));
+                at + Vec3::new(libm::sinf(b) * libm::cosf(a), libm::cosf(b), libm::sinf(b) * libm::sinf(a)) * r
+            }),
+        );
+    }
+    all
+}
+
+/// A mesh by its name; scan, terrain, knot, hair and straw may be followed by a colon and the number of triangles, about.
 pub fn make(name: &str) -> Mesh {
     let (name, triangles) = match name.split_once(':') {
         Some((name, number)) => (name, Some(number.parse().expect("a number of triangles"))),
@@ -222,10 +265,12 @@ pub fn make(name: &str) -> Mesh {
         "terrain" => terrain(triangles),
         "knot" => knot(triangles),
         "stadium" => stadium(),
-        "hair" => hair(),
+        "hair" => hair(triangles),
         "foliage" => foliage(),
         "box" => cornell_box(),
-        "straw" => straw(),
+        "straw" => straw(triangles),
+        "fur" => fur(),
+        "clutter" => clutter(),
         other => panic!("unknown mesh {other}: {NAMES:?}"),
     }
 }

@@ -1,6 +1,7 @@
 // Embree's side of the ray race (examples/bench_rays.rs): one thread, single-ray queries, answers over standard output.
 //   c++ -O3 -march=native scripts/bench/embree_rays.cpp -o embree_rays -lembree3     (Debian: apt-get install libembree-dev)
-// embree_rays MESH.bin [robust]: builds three times with two threads and prints the best wall and the mean CPU seconds; then reads commands:
+// embree_rays MESH.bin [robust] [PLACEMENTS.bin]: builds three times with two threads and prints the best wall and the mean CPU seconds; then reads commands:
+//   With placements (each 12 floats, three columns and the origin), the scene is instances of the mesh.
 //   closest FILE | any FILE   loads rays (u32 n, then n * (ox oy oz tnear dx dy dz tfar))
 //   pass                      traces them and prints seconds, hits, the sum of the hits' distances
 //   quit
@@ -36,6 +37,12 @@ static void set(RTCRay& ray, const InputRay& in) {
 int main(int argc, char** argv) {
     if (argc < 2) return 2;
     bool robust = argc > 2 && !strcmp(argv[2], "robust");
+    std::vector<float> placements;
+    if (argc > 2 + robust) {
+        std::ifstream in(argv[2 + robust], std::ios::binary | std::ios::ate);
+        placements.resize(in.tellg() / 4);
+        in.seekg(0).read(reinterpret_cast<char*>(placements.data()), placements.size() * 4);
+    }
     std::ifstream file(argv[1], std::ios::binary);
     uint32_t counts[2];
     if (!file.read(reinterpret_cast<char*>(counts), 8)) return 1;
@@ -59,6 +66,21 @@ int main(int argc, char** argv) {
         if (robust) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
         double begin = now();
         rtcCommitScene(scene);
+        if (!placements.empty()) {
+            RTCScene all = rtcNewScene(device);
+            if (robust) rtcSetSceneFlags(all, RTC_SCENE_FLAG_ROBUST);
+            for (size_t i = 0; i < placements.size(); i += 12) {
+                RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+                rtcSetGeometryInstancedScene(instance, scene);
+                rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, &placements[i]);
+                rtcCommitGeometry(instance);
+                rtcAttachGeometry(all, instance);
+                rtcReleaseGeometry(instance);
+            }
+            rtcCommitScene(all);
+            rtcReleaseScene(scene);
+            scene = all;
+        }
         best = std::min(best, now() - begin);
     }
     process = (clock() / double(CLOCKS_PER_SEC) - process) / 3;
