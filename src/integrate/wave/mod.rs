@@ -8,6 +8,7 @@
 
 mod begin;
 mod glass;
+mod kernels;
 mod lanes;
 mod lights;
 mod look;
@@ -32,6 +33,7 @@ use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
 use glam::Vec3;
+use kernels::Kernel;
 use kiln_formats::{Control, Stopped};
 use rows::Rows;
 use std::ops::Range;
@@ -117,12 +119,15 @@ pub(super) struct Memory {
     endless: Vec<f32>,
     slots: Vec<Slot>,
     lights: Box<LightRoom>,
+    kernel: Kernel,
     /// Where pixels use each other's paths.
     reuse: Option<Box<reuse::Shared>>,
 }
 
 impl Memory {
-    fn new(shares: bool) -> Self {
+    fn new(course: &Course) -> Self {
+        // What lanes cannot do at all is visited path by path.
+        let kernel = if course.lanes_can() { Kernel::new(&course.prepared.ways) } else { Kernel::Full };
         Self {
             paths: Rows::new(PATHS),
             hits: Rows::new(PATHS),
@@ -131,7 +136,8 @@ impl Memory {
             endless: vec![f32::INFINITY; PATHS],
             slots: Vec::with_capacity(PATHS),
             lights: Box::default(),
-            reuse: shares.then(Box::default),
+            kernel,
+            reuse: course.shares().then(Box::default),
         }
     }
 }
@@ -141,9 +147,9 @@ impl Memory {
 pub(super) struct Memories(Mutex<Vec<Memory>>);
 
 impl Memories {
-    fn take(&self, shares: bool) -> Memory {
+    fn take(&self, course: &Course) -> Memory {
         let free = self.0.lock().ok().and_then(|mut free| free.pop());
-        free.unwrap_or_else(|| Memory::new(shares))
+        free.unwrap_or_else(|| Memory::new(course))
     }
 
     fn give_back(&self, memory: Memory) {
@@ -188,7 +194,7 @@ pub(super) fn render_tile(
             return control.check();
         }
     }
-    let mut memory = memories.take(course.shares());
+    let mut memory = memories.take(course);
     let mut next = pixels.iter().map(|(_, wanted)| wanted.start).min().unwrap_or(0);
     let end = pixels.iter().map(|(_, wanted)| wanted.end).max().unwrap_or(0);
     while next < end {
@@ -234,7 +240,7 @@ impl Wave<'_> {
         self.begin(view, camera, rounds);
         for depth in 0..=self.course.settings.max_depth {
             self.trace_paths(depth);
-            self.course.prepared.lanes.run(shade::Shade { wave: &mut self, depth });
+            self.shade(depth);
             self.trace_shadows(depth);
             if self.memory.paths.len == 0 {
                 break;
@@ -246,6 +252,15 @@ impl Wave<'_> {
         let paths = rounds.iter().flat_map(|round| round.pixels.iter().map(move |pixel| (round.sample, pixel)));
         for ((sample, [x, y]), slot) in paths.zip(&self.memory.slots) {
             self.tile.add((y * self.tile.width + x) as usize, sample, slot.radiance, slot.covered);
+        }
+    }
+
+    /// Scatters all paths, with the kernel that has what the scene calls for.
+    fn shade(&mut self, depth: u32) {
+        let (lanes, kernel) = (self.course.prepared.lanes, self.memory.kernel);
+        match kernel {
+            Kernel::Diffuse => lanes.run(shade::Shade::<kernels::Diffuse>::new(self, depth)),
+            Kernel::Full => lanes.run(shade::Shade::<kernels::Full>::new(self, depth)),
         }
     }
 

@@ -1,5 +1,6 @@
 //! One scattering of all paths in flight.
 
+use super::kernels::SurfaceEffects;
 use super::lights::Carried;
 use super::look::Look;
 use super::smooth::{mapped_normal, reflecting_normal, stays, visible_normal};
@@ -16,28 +17,39 @@ use crate::sampling::{PathSamplers, Purpose};
 use crate::settings::Strategy;
 use crate::shading::{RoughLanes, RoughSample};
 use glam::Vec3;
+use std::marker::PhantomData;
 
-/// Shades where the rays of all paths have ended, lets light samples wait, and sends the paths on.
-pub(super) struct Shade<'a, 'b> {
-    pub wave: &'a mut Wave<'b>,
+/// Shades where the rays of all paths have ended, lets light samples wait, and sends the paths on; for surfaces with these effects.
+pub(super) struct Shade<'a, 'b, E> {
+    wave: &'a mut Wave<'b>,
     /// Scattering events so far.
-    pub depth: u32,
+    depth: u32,
+    effects: PhantomData<E>,
 }
 
-impl Work for Shade<'_, '_> {
+impl<'a, 'b, E> Shade<'a, 'b, E> {
+    /// The paths of a wavefront, after so many scattering events.
+    pub fn new(wave: &'a mut Wave<'b>, depth: u32) -> Self {
+        Self { wave, depth, effects: PhantomData }
+    }
+}
+
+impl<E: SurfaceEffects> Work for Shade<'_, '_, E> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { wave, depth } = self;
+        let Self { wave, depth, .. } = self;
         let count = wave.memory.paths.len;
         let (mut fetch, mut waiting) = (Fetch::new(), Waiting::default());
         // Paths move up within the same rows: entries are written only when they have been read.
         let mut kept = 0;
         for at in (0..count).step_by(LANES) {
             wave.miss(l, depth, at, LANES.min(count - at));
-            let sorted = wave.sort(depth, at, LANES.min(count - at), &mut fetch, &mut waiting);
-            wave.light_waiting(l, depth, at, &mut waiting);
+            let sorted = wave.sort::<E>(depth, at, LANES.min(count - at), &mut fetch, &mut waiting).of::<E>();
+            if E::ANY {
+                wave.light_waiting(l, depth, at, &mut waiting);
+            }
             kept += wave.scatter(l, depth, at, &sorted, &fetch, kept);
         }
         wave.memory.paths.len = kept;

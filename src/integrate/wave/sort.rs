@@ -1,5 +1,6 @@
 //! What the rays of sixteen paths have met, and who shades it.
 
+use super::kernels::SurfaceEffects;
 use super::surface::Fetch;
 use super::waiting::Waiting;
 use super::{Wave, hit, path};
@@ -30,10 +31,27 @@ pub(super) struct Sorted {
     pub visited: u32,
 }
 
+impl Sorted {
+    /// The same, where these effects are all that there is: what is known before needs no question later.
+    #[inline(always)]
+    pub fn of<E: SurfaceEffects>(self) -> Self {
+        let any = |lanes| if E::ANY { lanes } else { 0 };
+        Self {
+            lanes: self.lanes,
+            smooth: any(self.smooth),
+            rough: any(self.rough),
+            textured: any(self.textured),
+            coated: any(self.coated),
+            glass: any(self.glass),
+            visited: any(self.visited),
+        }
+    }
+}
+
 impl Wave<'_> {
     /// Adds the light that sixteen paths meet, visits those that lanes cannot, and fetches the surfaces of the others.
     #[inline(never)]
-    pub(super) fn sort(
+    pub(super) fn sort<E: SurfaceEffects>(
         &mut self,
         depth: u32,
         at: usize,
@@ -43,7 +61,7 @@ impl Wave<'_> {
     ) -> Sorted {
         let course = self.course;
         let prepared = course.prepared;
-        let lanes_can = course.lanes_can();
+        let lanes_can = !E::ANY || course.lanes_can();
         let mut sorted = Sorted { lanes: 0, smooth: 0, rough: 0, textured: 0, coated: 0, glass: 0, visited: 0 };
         // In a loop of its own, so that what is not in the cache comes for all of them at once.
         let mut parts = [0; LANES];
@@ -52,7 +70,7 @@ impl Wave<'_> {
                 *part = prepared.geometry.part_index(*triangle);
             }
         }
-        if prepared.asks.vertices {
+        if E::ANY && prepared.asks.vertices {
             for (part, triangle) in parts.iter().zip(&self.memory.hits.words(hit::TRIANGLE)[at..at + count]) {
                 if *triangle == NO_TRIANGLE {
                     continue;
@@ -71,11 +89,11 @@ impl Wave<'_> {
             }
             let part = &prepared.ways[part as usize];
             let inside = self.memory.paths.word(path::FLAGS, i) & path::INSIDE != 0;
-            if part.way == Way::Any || inside && part.way != Way::Glass || !lanes_can {
+            if E::ANY && (part.way == Way::Any || inside && part.way != Way::Glass || !lanes_can) {
                 sorted.visited |= u32::from(self.visit(depth, i, (lane, waiting))) << lane;
                 continue;
             }
-            if part.way == Way::Glass {
+            if E::ANY && part.way == Way::Glass {
                 self.enter_glass(i, lane, fetch);
             }
             // What only the path can find is seen blurred, and bright beside the bright.
@@ -93,6 +111,7 @@ impl Wave<'_> {
                     fetch.put_albedo(lane, albedo);
                     sorted.lanes |= 1 << lane;
                 }
+                _ if !E::ANY => {}
                 way => {
                     let geometry = &prepared.geometry;
                     fetch.put_triangle(lane, prepared, triangle);

@@ -14,7 +14,7 @@ pub const NO_TRIANGLE: u32 = u32::MAX;
 /// leaves. Measured, like the next.
 const PACKETS_IF_COHERENT: u64 = 1 << 16;
 /// Trees of up to so many references are walked in packets by any rays.
-const PACKETS_IF_SCATTERED: u64 = 48;
+const PACKETS_IF_SCATTERED: u64 = 160;
 
 /// Rays side by side. All slices are equally long, but `reaches` and `leaves` may be empty when no ray has such a triangle.
 #[derive(Clone, Copy, Debug)]

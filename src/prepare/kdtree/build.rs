@@ -18,6 +18,8 @@ const MAX_REFERENCES_PER_TRIANGLE: f64 = 3.0;
 const MAX_REFERENCES_BY_COST: f64 = 4.0;
 /// Duplicates that even the smallest scene may have.
 const MIN_BUDGET: usize = 32;
+/// Scenes of so few triangles are walked in packets, which test each triangle by itself: a duplicate saves them next to nothing.
+const FEW: usize = 64;
 /// How many references are made between two looks at the control.
 const POLL_EVERY: usize = 4096;
 
@@ -57,7 +59,8 @@ pub fn build<T: Triangles>(
         KdTreeBuilder::Auto | KdTreeBuilder::Sah => MAX_REFERENCES_BY_COST,
         KdTreeBuilder::Median | KdTreeBuilder::Sampled => MAX_REFERENCES_PER_TRIANGLE,
     };
-    let budget = MIN_BUDGET + (refs.len() as f64 * (most - 1.0)) as usize;
+    let few = refs.len() <= FEW;
+    let budget = if few { refs.len() / 4 } else { MIN_BUDGET + (refs.len() as f64 * (most - 1.0)) as usize };
     let root = cpu.measure(|| {
         out.thickness = refs.iter().map(Bounds::thickness).fold(0.0, f32::max);
         Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 }
