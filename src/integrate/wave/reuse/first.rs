@@ -92,25 +92,30 @@ impl Wave<'_> {
     }
 }
 
+/// Where a flag is set.
+#[inline(always)]
+fn has<L: Lanes>(l: L, flags: L::U, flag: u32) -> L::M {
+    !(flags & flag).eq(l.word(0))
+}
+
 impl<L: Lanes> First<L> {
     /// Those of `count` slots from `at` on.
     #[inline(always)]
     pub fn load(l: L, rows: &super::Rows<FLOATS, WORDS>, at: usize, count: usize) -> Self {
         let (floats, [flags]) = rows.load_all(l, at);
         let vector = |row: usize| V3::new(floats[row], floats[row + 1], floats[row + 2]);
-        let has = |flag: u32| !(flags & flag).eq(l.word(0));
-        let takes_part = has(TAKES_PART) & l.first(count);
+        let takes_part = has(l, flags, TAKES_PART) & l.first(count);
         let surface = Surface {
             point: vector(POINT),
             place: vector(PLACE),
             error: vector(ERROR),
             normal: vector(NORMAL),
-            lifted: has(LIFTED),
+            lifted: has(l, flags, LIFTED),
             steady: takes_part,
             frame: FrameLanes::from_normal(vector(SHADING)),
             wo: vector(WO),
         };
-        let shares = [SHARES, SHARES + 1, SHARES + 2].map(|row| floats[row]);
+        let shares = [floats[SHARES], floats[SHARES + 1], floats[SHARES + 2]];
         let any = |share: L::F| (takes_part & share.gt(l.splat(0.0))).any();
         let lobes = RoughLanes {
             albedo: vector(ALBEDO),
@@ -119,7 +124,7 @@ impl<L: Lanes> First<L> {
             f90: vector(F90),
             tint: vector(TINT),
             shares,
-            rough: has(ROUGH),
+            rough: has(l, flags, ROUGH),
             reflects: any(shares[1]),
             transmits: any(shares[2]),
             // Delta distributions stay the path's own.

@@ -30,8 +30,8 @@ pub struct Stack {
 }
 
 impl Stack {
-    /// Does some work with an empty stack. It is not handed out, since it is too large to be moved.
-    #[inline(always)]
+    /// Does some work with an empty stack.
+    #[cfg(test)]
     pub fn with<R>(work: impl FnOnce(&mut Self) -> R) -> R {
         let mut place = MaybeUninit::<Self>::uninit();
         work(Self::begin(&mut place))
@@ -48,7 +48,7 @@ impl Stack {
         stacks
     }
 
-    /// Makes an empty stack without a touch of what may stay uninitialised.
+    /// Makes an empty stack in its place, since it is too large to be moved, without a touch of what may stay uninitialised.
     #[inline(always)]
     pub fn begin(place: &mut MaybeUninit<Self>) -> &mut Self {
         let stack = place.as_mut_ptr();

@@ -10,6 +10,7 @@ use super::node::{Child, WideNode};
 use super::stack::{Stack, Waiting};
 use crate::math::triangle::{Nearest, ShearedRay};
 use crate::math::{Hit, Ray};
+use std::mem::MaybeUninit;
 
 /// What a walk knows of its ray.
 #[derive(Clone, Copy)]
@@ -35,7 +36,9 @@ pub fn nearest<const ANY: bool, K: Kernel>(
 ) -> Option<Hit> {
     let mut walk = Walk::idle(kernel);
     walk.begin(ray, NO_TRIANGLE);
-    Stack::with(|stack| walk.go::<ANY>(tree, stack, &mut AsIs, &mut { accept }));
+    // Not in a closure: whether that is inlined where the instructions are, nobody knows.
+    let mut place = MaybeUninit::uninit();
+    walk.go::<ANY>(tree, Stack::begin(&mut place), &mut AsIs, &mut { accept });
     walk.hit()
 }
 
