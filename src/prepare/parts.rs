@@ -56,7 +56,8 @@ pub(crate) fn ways(scene: &Scene, geometry: &Geometry, know: Knowledge, filters:
             smooth: asked.has(Effect::SmoothNormals),
             textured: asked.has_any(&[Effect::Textures, Effect::NormalMaps, Effect::VertexColors]),
             mapped: asked.has(Effect::NormalMaps),
-            coated: asked.has(Effect::Clearcoat),
+            // With layers of no strength lobes are chosen in another order, whoever is beside them.
+            coated: asked.has(Effect::Clearcoat) || material.layers().is_some(),
             touches: false,
         }
     };

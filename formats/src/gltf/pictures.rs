@@ -55,8 +55,13 @@ pub(super) fn read_files(
     for texture in textures {
         control.check()?;
         let first = known_images(root, *texture).first().and_then(|image| root.images.get(*image));
-        if let Some(uri) = first.and_then(|image| image.uri.as_ref()).filter(|uri| !files.contains_key(*uri)) {
-            files.insert(uri.clone(), uri::load(uri, resources));
+        let uri = first.and_then(|image| image.uri.as_ref());
+        if let Some(uri) = uri.filter(|uri| !uri.starts_with("data:") && !files.contains_key(*uri)) {
+            let file = uri::load(uri, resources);
+            // The same picture under another name is read again when it is asked for, and not kept until then.
+            if file.is_err() || !files.values().any(|known| known.as_ref().ok() == file.as_ref().ok()) {
+                files.insert(uri.clone(), file);
+            }
         }
     }
     Ok(files)

@@ -33,6 +33,7 @@ pub(super) fn decode(bytes: Vec<u8>) -> Result<String, ImportError> {
     }
     // So that the last statement is as good as any other.
     if !text.is_empty() && !text.ends_with('\n') {
+        text.reserve_exact(1);
         text.push('\n');
     }
     Ok(text)

@@ -81,7 +81,7 @@ impl RayBatch<'_> {
         Ray { origin: at(&self.origin), dir: at(&self.dir), t_max: self.t_max[i] }
     }
 
-    /// The triangles that a ray may not meet: what it leaves and what it reaches.
+    /// The triangle that a ray may not meet: what it reaches.
     #[inline(always)]
     pub(super) fn barred(&self, i: usize) -> u32 {
         self.reaches.get(i).copied().unwrap_or(NO_TRIANGLE)

@@ -16,9 +16,9 @@ const MAX_REFERENCES_PER_TRIANGLE: f64 = 3.0;
 /// The same where the surface area heuristic chooses: it spends more only on long thin triangles in all directions, where three
 /// leave leaves of two hundred.
 const MAX_REFERENCES_BY_COST: f64 = 4.0;
-/// Duplicates that even the smallest scene may have.
+/// Duplicates that any scene of more than [`FEW`] triangles may have.
 const MIN_BUDGET: usize = 32;
-/// Scenes of so few triangles are walked in packets, which test each triangle by itself: a duplicate saves them next to nothing.
+/// Trees of so few triangles are mostly walked in packets, which test each triangle by itself: a duplicate saves them next to nothing.
 const FEW: usize = 64;
 /// How many references are made between two looks at the control.
 const POLL_EVERY: usize = 4096;

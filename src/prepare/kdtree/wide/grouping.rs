@@ -50,7 +50,8 @@ impl Grouping {
 
     /// How many of a node's slots go to the left side of its cell.
     pub fn of_node(&self, cell: usize) -> usize {
-        usize::from(self.to_left[cell][0])
+        // Where areas overflow no cost is the least one.
+        usize::from(self.to_left[cell][0]).max(1)
     }
 
     /// How many slots go to the left side of a cell that may take so many of the node above; 0 where it becomes one child.
