@@ -83,11 +83,11 @@ fn coats() -> Scene {
     let (wrap_u, wrap_v, filter, color_space) = (Wrap::Repeat, Wrap::Repeat, Filter::Linear, ColorSpace::Linear);
     scene.textures.push(Texture { image: 0, wrap_u, wrap_v, filter, color_space });
     let map = || Some(NormalMap { texture: TextureRef::new(0), scale: 0.8 });
-    let coated = |layers: Layers, metallic, normal_map| Material {
+    let coated = |layers: Layers, [metallic, roughness]: [f32; 2], normal_map| Material {
         surface: Surface::MetalRough(MetalRough {
             base_color: ColorInput::constant([0.7, 0.2, 0.1]),
             metallic: ScalarInput::constant(metallic),
-            roughness: ScalarInput::constant(0.5),
+            roughness: ScalarInput::constant(roughness),
             layers: Some(layers),
             ..MetalRough::default()
         }),
@@ -104,10 +104,13 @@ fn coats() -> Scene {
     let at = |x: f64, y: f64, s: f64| {
         DAffine3::from_translation(DVec3::new(x, y, -0.7)) * DAffine3::from_scale(DVec3::splat(s))
     };
-    add(&mut scene, sphere(2), coated(smooth, 0.0, None), at(0.0, 0.4, 0.25));
-    add(&mut scene, sheet.clone(), coated(worn, 0.0, None), at(-0.5, 0.4, 0.25));
-    add(&mut scene, sheet.clone(), coated(own, 1.0, None), at(0.5, 0.4, 0.25));
-    add(&mut scene, sheet, coated(smooth, 0.0, map()), at(0.5, -0.1, 0.2));
+    add(&mut scene, sphere(2), coated(smooth, [0.0, 0.5], None), at(0.0, 0.4, 0.25));
+    add(&mut scene, sheet.clone(), coated(worn, [0.0, 0.5], None), at(-0.5, 0.4, 0.25));
+    add(&mut scene, sheet.clone(), coated(own, [1.0, 0.5], None), at(0.5, 0.4, 0.25));
+    add(&mut scene, sheet.clone(), coated(smooth, [0.0, 0.5], map()), at(0.5, -0.1, 0.2));
+    // Light samples matter by the coat alone.
+    let rough_alone = Layers { clearcoat: full, clearcoat_roughness: rough, ..Layers::default() };
+    add(&mut scene, sheet, coated(rough_alone, [1.0, 0.0], None), at(-0.5, -0.1, 0.2));
     scene
 }
 

@@ -81,6 +81,11 @@ impl<'a> Course<'a> {
         lanes_can(self.prepared, self.settings)
     }
 
+    /// Whether lanes can follow all paths, and find nothing but flat surfaces of one diffuse colour each.
+    pub fn is_diffuse(&self) -> bool {
+        self.prepared.is_diffuse && self.lanes_can()
+    }
+
     /// See [`shares_paths`].
     pub fn shares(&self) -> bool {
         shares_paths(self.prepared, self.settings)

@@ -78,6 +78,8 @@ pub struct PreparedScene {
     pub(crate) asks: Asks,
     /// Whether there is a surface that is diffuse and nothing else.
     pub(crate) has_diffuse: bool,
+    /// Whether all surfaces are flat and of one diffuse colour each.
+    pub(crate) is_diffuse: bool,
     /// For each part of the geometry, how it is shaded.
     pub(crate) ways: Vec<PartWay>,
     /// Which triangles it has to be asked of.
@@ -184,6 +186,7 @@ pub(crate) fn prepare_knowing(
         asks,
         questions: Questions::new(&geometry, &ways),
         has_diffuse: parts::has_diffuse(&scene),
+        is_diffuse: ways.iter().all(|part| matches!(part.way, Way::Diffuse(_))),
         ways,
         lanes: AnyLanes::new(tier(settings.simd)),
         scene,

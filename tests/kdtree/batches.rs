@@ -9,18 +9,19 @@ struct Columns {
     dir: [Vec<f32>; 3],
     t_max: Vec<f32>,
     reaches: Vec<u32>,
+    leaves: Vec<u32>,
 }
 
 impl Columns {
     fn new(rays: &[Ray], reaches: Vec<u32>) -> Self {
         let origin = [0, 1, 2].map(|axis| rays.iter().map(|r| r.origin[axis]).collect());
         let dir = [0, 1, 2].map(|axis| rays.iter().map(|r| r.dir[axis]).collect());
-        Self { origin, dir, t_max: rays.iter().map(|r| r.t_max).collect(), reaches }
+        Self { origin, dir, t_max: rays.iter().map(|r| r.t_max).collect(), reaches, leaves: vec![] }
     }
 
     fn batch(&self) -> RayBatch<'_> {
         let [origin, dir] = [&self.origin, &self.dir].map(|rows| [&rows[0][..], &rows[1][..], &rows[2][..]]);
-        RayBatch { origin, dir, t_max: &self.t_max, reaches: &self.reaches, leaves: &[] }
+        RayBatch { origin, dir, t_max: &self.t_max, reaches: &self.reaches, leaves: &self.leaves }
     }
 }
 
@@ -53,6 +54,9 @@ pub fn check(name: &str, tree: &KdTree, rays: &[Ray], cut_out: fn(&Hit) -> bool)
         let rays = &rays[..length];
         let first: Vec<Option<Hit>> = rays.iter().map(|r| tree.closest(r, |_| true)).collect();
         let reaches: Vec<u32> = first.iter().map(|h| h.map_or(NO_TRIANGLE, |h| h.triangle)).collect();
+        let back = |r: &Ray| Ray { dir: -r.dir, t_max: f32::INFINITY, ..*r };
+        let behind: Vec<u32> =
+            rays.iter().map(|r| tree.closest(&back(r), |_| true).map_or(NO_TRIANGLE, |h| h.triangle)).collect();
         let barred = |i: usize, h: &Hit| h.triangle == reaches[i];
         let (free, bound) = (Columns::new(rays, vec![]), Columns::new(rays, reaches.clone()));
         for coherence in [Coherence::Coherent, Coherence::Scattered] {
@@ -64,6 +68,9 @@ pub fn check(name: &str, tree: &KdTree, rays: &[Ray], cut_out: fn(&Hit) -> bool)
             assert_eq!(closest(tree, &free.batch(), coherence, None), expect(&|_, _| true), "{name}");
             assert_eq!(closest(tree, &free.batch(), coherence, Some(any_cut)), expect(&|_, h| cut_out(h)), "{name}");
             assert_eq!(closest(tree, &bound.batch(), coherence, None), expect(&|i, h| !barred(i, h)), "{name}");
+            // A plane that is met behind a ray's origin is not met before it: to be told so changes nothing.
+            let told = Columns { leaves: behind.clone(), ..Columns::new(rays, vec![]) };
+            assert_eq!(closest(tree, &told.batch(), coherence, None), expect(&|_, _| true), "{name}, behind");
             let both = expect(&|i, h| !barred(i, h) && cut_out(h));
             assert_eq!(closest(tree, &bound.batch(), coherence, Some(any_cut)), both, "{name}, both");
 

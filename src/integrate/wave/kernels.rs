@@ -1,8 +1,7 @@
 //! What shading is compiled for: sets of effects, so that what a scene lacks is no question in its loops.
 //!
-//! One source, with the same operations in the same order: the same bytes from each kernel that has what a scene calls for.
-
-use crate::prepare::{PartWay, Way};
+//! One source, with the same operations in the same order: the same bytes from each kernel that has what a scene calls for. A third one
+//! between the two, for metal-rough surfaces without coats and glass, made nothing faster (scripts/runs/2026-11-22-effects.md).
 
 /// Effects that the surfaces of a scene may have; what is not among them is left out when shading is compiled.
 pub(super) trait SurfaceEffects {
@@ -22,22 +21,4 @@ impl SurfaceEffects for Diffuse {
 
 impl SurfaceEffects for Full {
     const ANY: bool = true;
-}
-
-/// The smallest of these sets that holds a scene's. A third one between them, metal-rough surfaces without coats and glass, made
-/// nothing faster (scripts/runs/2026-11-22-effects.md).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kernel {
-    /// [`Diffuse`].
-    Diffuse,
-    /// [`Full`].
-    Full,
-}
-
-impl Kernel {
-    /// For a scene of parts that are shaded these ways.
-    pub fn new(parts: &[PartWay]) -> Self {
-        let diffuse = parts.iter().all(|part| matches!(part.way, Way::Diffuse(_)));
-        if diffuse { Self::Diffuse } else { Self::Full }
-    }
 }

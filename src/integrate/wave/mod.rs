@@ -33,7 +33,6 @@ use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
 use glam::Vec3;
-use kernels::Kernel;
 use kiln_formats::{Control, Stopped};
 use rows::Rows;
 use std::ops::Range;
@@ -119,15 +118,12 @@ pub(super) struct Memory {
     endless: Vec<f32>,
     slots: Vec<Slot>,
     lights: Box<LightRoom>,
-    kernel: Kernel,
     /// Where pixels use each other's paths.
     reuse: Option<Box<reuse::Shared>>,
 }
 
 impl Memory {
-    fn new(course: &Course) -> Self {
-        // What lanes cannot do at all is visited path by path.
-        let kernel = if course.lanes_can() { Kernel::new(&course.prepared.ways) } else { Kernel::Full };
+    fn new(shares: bool) -> Self {
         Self {
             paths: Rows::new(PATHS),
             hits: Rows::new(PATHS),
@@ -136,8 +132,7 @@ impl Memory {
             endless: vec![f32::INFINITY; PATHS],
             slots: Vec::with_capacity(PATHS),
             lights: Box::default(),
-            kernel,
-            reuse: course.shares().then(Box::default),
+            reuse: shares.then(Box::default),
         }
     }
 }
@@ -147,9 +142,9 @@ impl Memory {
 pub(super) struct Memories(Mutex<Vec<Memory>>);
 
 impl Memories {
-    fn take(&self, course: &Course) -> Memory {
+    fn take(&self, shares: bool) -> Memory {
         let free = self.0.lock().ok().and_then(|mut free| free.pop());
-        free.unwrap_or_else(|| Memory::new(course))
+        free.unwrap_or_else(|| Memory::new(shares))
     }
 
     fn give_back(&self, memory: Memory) {
@@ -194,7 +189,7 @@ pub(super) fn render_tile(
             return control.check();
         }
     }
-    let mut memory = memories.take(course);
+    let mut memory = memories.take(course.shares());
     let mut next = pixels.iter().map(|(_, wanted)| wanted.start).min().unwrap_or(0);
     let end = pixels.iter().map(|(_, wanted)| wanted.end).max().unwrap_or(0);
     while next < end {
@@ -257,10 +252,11 @@ impl Wave<'_> {
 
     /// Scatters all paths, with the kernel that has what the scene calls for.
     fn shade(&mut self, depth: u32) {
-        let (lanes, kernel) = (self.course.prepared.lanes, self.memory.kernel);
-        match kernel {
-            Kernel::Diffuse => lanes.run(shade::Shade::<kernels::Diffuse>::new(self, depth)),
-            Kernel::Full => lanes.run(shade::Shade::<kernels::Full>::new(self, depth)),
+        let lanes = self.course.prepared.lanes;
+        if self.course.is_diffuse() {
+            lanes.run(shade::Shade::<kernels::Diffuse>::new(self, depth));
+        } else {
+            lanes.run(shade::Shade::<kernels::Full>::new(self, depth));
         }
     }
 

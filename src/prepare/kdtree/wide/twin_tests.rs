@@ -13,15 +13,15 @@ use crate::math::{Placement, Ray};
 use crate::prepare::kdtree::Triangles;
 use glam::Vec3;
 
-struct Random(u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
-    fn unit(&mut self) -> f32 {
+    pub fn unit(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         (mix(self.0) >> 40) as f32 / 16_777_216.0
     }
 
-    fn point(&mut self) -> Vec3 {
+    pub fn point(&mut self) -> Vec3 {
         Vec3::new(self.unit(), self.unit(), self.unit())
     }
 
@@ -49,8 +49,8 @@ fn node(random: &mut Random) -> WideNode {
     node
 }
 
-/// A strip of triangles, some of which share corners.
-struct Strip(Vec<[Vec3; 3]>);
+/// Triangles, such as a strip, some of which share corners.
+pub(super) struct Strip(pub Vec<[Vec3; 3]>);
 
 impl Triangles for Strip {
     fn len(&self) -> usize {
