@@ -28,6 +28,9 @@ pub struct ShearedRay {
     pub inv_dir_z: f64,
 }
 
+/// The axes that play x, y and z, by the one that plays z.
+const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+
 impl ShearedRay {
     /// Prepares a ray.
     #[inline(always)]
@@ -41,15 +44,16 @@ impl ShearedRay {
         } else {
             2
         };
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
-        Self {
-            origin: ray.origin.to_array(),
-            axes,
-            shear_x: d[axes[0]] / d[z],
-            shear_y: d[axes[1]] / d[z],
-            dir_z: d[z],
-            inv_dir_z: 1.0 / f64::from(d[z]),
-        }
+        let [x, y, _] = AXES[z];
+        Self::with(ray, z, [d[x] / d[z], d[y] / d[z]])
+    }
+
+    /// A ray whose longest axis and shears are known.
+    #[inline(always)]
+    pub fn with(ray: &Ray, along: usize, [shear_x, shear_y]: [f32; 2]) -> Self {
+        let axes = AXES[along];
+        let dir_z = ray.dir[along];
+        Self { origin: ray.origin.to_array(), axes, shear_x, shear_y, dir_z, inv_dir_z: 1.0 / f64::from(dir_z) }
     }
 
     /// A corner relative to the ray's origin: sheared x and y, and the distance along z. No fused operations, so that

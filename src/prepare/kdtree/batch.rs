@@ -164,7 +164,7 @@ impl KdTree {
             Form::One(tree) if self.statistics.references <= most => {
                 self.lanes.run(Packets::<ANY, ALL, _, _> { kernel, tree: tree.wide(), rays, stops, found });
             }
-            Form::One(tree) => kernel.trace::<ANY>(tree.wide(), rays, stops, found),
+            Form::One(tree) => kernel.trace::<ANY>(self.lanes, tree.wide(), rays, stops, found),
             Form::Instances(all) => all.trace::<ANY>(kernel, rays, stops, found),
         }
     }

@@ -114,15 +114,22 @@ impl SlabRay {
     /// With the direction `d`, which is the ray's divided by `scale`.
     #[inline(always)]
     fn set_scaled(&mut self, ray: &Ray, d: Vec3, scale: f32) {
-        let inv = d.recip();
+        let octant = usize::from(d.x < 0.0) | usize::from(d.y < 0.0) << 1 | usize::from(d.z < 0.0) << 2;
+        self.set_plain(ray.origin, d.recip().to_array(), octant);
+        self.scale = scale;
+    }
+
+    /// A ray that [`is_plain`], by the reciprocals of its direction and its octant.
+    #[inline(always)]
+    pub fn set_plain(&mut self, origin: Vec3, inv: [f32; 3], octant: usize) {
         for axis in 0..3 {
-            self.enter_from[axis] = ray.origin[axis];
-            self.leave_from[axis] = ray.origin[axis];
+            self.enter_from[axis] = origin[axis];
+            self.leave_from[axis] = origin[axis];
             self.inv[axis] = inv[axis];
         }
-        self.octant = usize::from(d.x < 0.0) | usize::from(d.y < 0.0) << 1 | usize::from(d.z < 0.0) << 2;
+        self.octant = octant;
         self.stop_factor = 1.0 + 8.0 * RELATIVE_ERROR;
-        self.scale = scale;
+        self.scale = 1.0;
     }
 
     /// Prepares a ray in other coordinates than those that it was given in, where each of its points may lie beside the computed one

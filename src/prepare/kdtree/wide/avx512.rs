@@ -9,6 +9,7 @@ use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
+use crate::lanes::AnyLanes;
 use crate::math::simd::SimdTier;
 use crate::math::triangle::ShearedRay;
 use crate::math::{Hit, Placement, Ray};
@@ -45,13 +46,14 @@ impl Avx512 {
     #[inline(always)]
     pub fn trace<const ANY: bool>(
         self,
+        lanes: AnyLanes,
         tree: WideTree,
         rays: &RayBatch,
         stops: impl FnMut(usize, &Hit) -> bool,
         found: impl FnMut(usize, Option<Hit>),
     ) {
         // SAFETY: `self` exists only on machines with these features.
-        unsafe { trace_with_features::<ANY>(self, tree, rays, stops, found) }
+        unsafe { trace_with_features::<ANY>(self, lanes, tree, rays, stops, found) }
     }
 
     /// Does a job with these features.
@@ -70,12 +72,13 @@ fn run_with_features<J: Job>(kernel: Avx512, job: J) -> J::Output {
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn trace_with_features<const ANY: bool>(
     kernel: Avx512,
+    lanes: AnyLanes,
     tree: WideTree,
     rays: &RayBatch,
     stops: impl FnMut(usize, &Hit) -> bool,
     found: impl FnMut(usize, Option<Hit>),
 ) {
-    stream::trace::<ANY, _>(kernel, tree, rays, stops, found);
+    stream::trace::<ANY, _>(kernel, lanes, tree, rays, stops, found);
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt,lzcnt")]

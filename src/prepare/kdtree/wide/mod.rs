@@ -22,6 +22,7 @@ mod packet_lines_tests;
 pub mod scalar;
 pub mod stack;
 pub mod stream;
+mod supply;
 pub mod traverse;
 #[cfg(test)]
 mod twin_tests;
@@ -29,7 +30,7 @@ pub mod validate;
 
 use super::batch::RayBatch;
 use super::leaves::LeafStore;
-use crate::lanes::prefetch;
+use crate::lanes::{AnyLanes, prefetch};
 use crate::math::simd::SimdTier;
 use crate::math::{Hit, Ray};
 use kernel::Job;
@@ -121,20 +122,21 @@ impl AnyKernel {
         }
     }
 
-    /// [`AnyKernel::nearest`] for each ray of a batch: see [`stream::trace`].
+    /// [`AnyKernel::nearest`] for each ray of a batch: see [`stream::trace`]. The lanes are those of the same tier.
     pub fn trace<const ANY: bool>(
         self,
+        lanes: AnyLanes,
         tree: WideTree,
         rays: &RayBatch,
         stops: impl FnMut(usize, &Hit) -> bool,
         found: impl FnMut(usize, Option<Hit>),
     ) {
         match self {
-            Self::Scalar(kernel) => stream::trace::<ANY, _>(kernel, tree, rays, stops, found),
+            Self::Scalar(kernel) => stream::trace::<ANY, _>(kernel, lanes, tree, rays, stops, found),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2(kernel) => kernel.trace::<ANY>(tree, rays, stops, found),
+            Self::Avx2(kernel) => kernel.trace::<ANY>(lanes, tree, rays, stops, found),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512(kernel) => kernel.trace::<ANY>(tree, rays, stops, found),
+            Self::Avx512(kernel) => kernel.trace::<ANY>(lanes, tree, rays, stops, found),
         }
     }
 }

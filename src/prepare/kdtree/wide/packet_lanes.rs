@@ -209,7 +209,7 @@ impl<L: Lanes> Packet<L> {
 
 /// Sixteen numbers of a row, the last one again where it ends.
 #[inline(always)]
-fn column<L: Lanes>(l: L, row: &[f32], first: usize) -> L::F {
+pub fn column<L: Lanes>(l: L, row: &[f32], first: usize) -> L::F {
     if row.len() >= first + LANES {
         return l.load_at(row, first);
     }

@@ -10,7 +10,9 @@ use super::WideTree;
 use super::kernel::Kernel;
 use super::node::{Child, is_leaf};
 use super::stack::{Stack, Waiting};
+use super::supply::Supply;
 use super::traverse::Walk;
+use crate::lanes::AnyLanes;
 use crate::math::Hit;
 use std::cell::Cell;
 
@@ -90,6 +92,7 @@ impl Steps {
 #[inline(always)]
 pub fn trace<const ANY: bool, K: Kernel>(
     kernel: K,
+    lanes: AnyLanes,
     tree: WideTree,
     rays: &RayBatch,
     mut stops: impl FnMut(usize, &Hit) -> bool,
@@ -103,7 +106,7 @@ pub fn trace<const ANY: bool, K: Kernel>(
     let mut now = Steps::default();
     // Flights begin as if they had just ended: without a ray, and nothing on the stack.
     (0..FLIGHTS.min(n)).for_each(|i| now.add(LAST, i as u8));
-    let mut waiting = 0;
+    let mut supply = Supply::new(lanes, root, rays);
     while now.len != [0; 3] {
         let mut later = Steps::default();
         for &i in now.of(NODE) {
@@ -130,14 +133,11 @@ pub fn trace<const ANY: bool, K: Kernel>(
                 if flight.ray != NO_RAY {
                     found(flight.ray, flight.walk.hit());
                 }
-                if waiting == n {
-                    continue;
-                }
+                let Some(ready) = supply.next(&mut found) else { continue };
                 stack.clear_if(true);
-                flight.ray = waiting;
-                flight.walk.begin(&rays.ray(waiting), rays.barred(waiting));
+                flight.ray = ready.ray;
+                flight.walk.begin_ready(&ready, &rays.ray(ready.ray), rays.barred(ready.ray));
                 flight.walk.open(root, stack);
-                waiting += 1;
             }
             later.add(flight.advance(tree, stack), i);
         }

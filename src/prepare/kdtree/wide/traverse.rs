@@ -8,6 +8,7 @@ use super::WideTree;
 use super::kernel::{BoxRay, Kernel};
 use super::node::{Child, WideNode};
 use super::stack::{Stack, Waiting};
+use super::supply::ReadyRay;
 use crate::math::triangle::{Nearest, ShearedRay};
 use crate::math::{Hit, Ray};
 use std::mem::MaybeUninit;
@@ -104,6 +105,20 @@ impl<K: Kernel> Walk<K> {
         self.slab.set(ray);
         self.boxes.set(&self.slab);
         self.begin_outside(ray, barred);
+        self.limit = self.slab.scaled(ray.t_max);
+    }
+
+    /// [`Walk::begin`] with what is known of the ray already.
+    #[inline(always)]
+    pub fn begin_ready(&mut self, ready: &ReadyRay, ray: &Ray, barred: u32) {
+        if !ready.plain {
+            return self.begin(ray, barred);
+        }
+        self.slab.set_plain(ray.origin, ready.inv, ready.octant);
+        self.boxes.set(&self.slab);
+        self.sheared = ShearedRay::with(ray, ready.along, ready.shear);
+        self.barred = barred;
+        self.nearest = Nearest::new(ray);
         self.limit = self.slab.scaled(ray.t_max);
     }
 

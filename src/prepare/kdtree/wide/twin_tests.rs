@@ -25,7 +25,7 @@ impl Random {
         Vec3::new(self.unit(), self.unit(), self.unit())
     }
 
-    fn ray(&mut self, i: usize) -> Ray {
+    pub fn ray(&mut self, i: usize) -> Ray {
         let mut dir = self.point() - self.point();
         if i.is_multiple_of(7) {
             dir[i % 3] = 0.0;
@@ -35,7 +35,7 @@ impl Random {
 }
 
 /// Sixteen boxes side by side along x, in an order that the kernels must permute.
-fn node(random: &mut Random) -> WideNode {
+pub(super) fn node(random: &mut Random) -> WideNode {
     let mut node = WideNode::empty();
     node.count = 13;
     node.children = std::array::from_fn(|slot| slot as u32 + 100);
