@@ -50,8 +50,8 @@ fn nanoseconds(kind: SamplerKind) -> f64 {
         let mut sampler = PathSampler::new(kind, 0, [path % 512, path / 512], path % 64);
         sum += sampler.get_2d(0, Purpose::Pixel)[0];
         for vertex in 0..VERTICES {
-            sum += sampler.get_1d(vertex, Purpose::LightChoice(0));
-            sum += sampler.get_2d(vertex, Purpose::LightPoint(0))[1];
+            sum += sampler.get_1d(vertex, Purpose::LightChoice);
+            sum += sampler.get_2d(vertex, Purpose::LightPoint)[1];
             sum += sampler.get_1d(vertex, Purpose::Lobe);
             sum += sampler.get_2d(vertex, Purpose::Direction)[0];
         }

@@ -174,8 +174,9 @@ pub struct RenderSettings {
     pub integrator: Integrator,
     /// How direct light is estimated.
     pub strategy: Strategy,
-    /// Light samples per vertex.
-    pub light_samples: u32,
+    /// Light samples at each vertex of a path; `None`: two at the first one where they differ, since most noise is theirs there, and one at
+    /// the others.
+    pub light_samples: Option<u32>,
     /// Where random numbers come from.
     pub sampler: SamplerKind,
     /// Scattering events after which Russian roulette may end a path by what it carries, the survivors weighing more;
@@ -197,7 +198,7 @@ impl Default for RenderSettings {
             max_depth: 16,
             integrator: Integrator::default(),
             strategy: Strategy::default(),
-            light_samples: 1,
+            light_samples: None,
             sampler: SamplerKind::default(),
             roulette_after: 5,
             reuse: Reuse::default(),

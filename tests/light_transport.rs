@@ -90,7 +90,7 @@ fn square_light_has_the_form_factor_of_the_catalogue() {
     let form_factor = 4.0 * (2.0 * corner * corner.atan()) / (2.0 * std::f64::consts::PI);
     let expected = 0.5 * 3.0 * form_factor;
     for strategy in STRATEGIES {
-        for light_samples in [1, 3] {
+        for light_samples in [None, Some(1), Some(3)] {
             for sampler in [SamplerKind::Sobol, SamplerKind::Pcg, SamplerKind::Lcg, SamplerKind::Xorshift32] {
                 let settings =
                     RenderSettings { spp: 256, strategy, light_samples, sampler, ..RenderSettings::default() };

@@ -140,8 +140,12 @@ fn light_samples_average_coverage() {
     let sheet = DAffine3::from_translation(DVec3::new(0.3, 0.1, 1.0));
     add(&mut scene, square(), Material { alpha: half, ..lambert(0.0, 0.0) }, sheet);
     let error = |light_samples| {
-        let settings =
-            RenderSettings { spp: 256, light_samples, sampler: SamplerKind::Pcg, ..RenderSettings::default() };
+        let settings = RenderSettings {
+            spp: 256,
+            light_samples: Some(light_samples),
+            sampler: SamplerKind::Pcg,
+            ..RenderSettings::default()
+        };
         let rendered = look_at_floor(&scene, DVec3::ZERO, &settings);
         assert_within_error(&rendered, 0.5 * ALBEDO / PI * 10.0 / 4.0, &format!("{light_samples} light samples"));
         mean_and_error(&rendered).1

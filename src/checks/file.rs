@@ -82,8 +82,8 @@ pub struct RenderSpec {
     pub spp: u32,
     /// Scattering events a path at most.
     pub max_depth: u32,
-    /// Light samples a vertex.
-    pub light_samples: u32,
+    /// Light samples a vertex; without it, as many as renders take.
+    pub light_samples: Option<u32>,
     /// Every one of these must give what is expected.
     pub strategies: Vec<Strategy>,
     /// Where random numbers come from.
@@ -100,7 +100,7 @@ impl Default for RenderSpec {
             height: 8,
             spp: 64,
             max_depth: 16,
-            light_samples: 1,
+            light_samples: None,
             strategies: vec![Hemisphere, Cosine, Bsdf, Light, Mis],
             sampler: SamplerKind::default(),
             seed: 0,

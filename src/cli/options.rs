@@ -98,9 +98,9 @@ pub struct SettingOptions {
     /// How direct light is estimated
     #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
     strategy: Strategy,
-    /// Light samples per path vertex
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u32).range(1..=4096), help_heading = "Sampling")]
-    light_samples: u32,
+    /// Light samples per path vertex [default: 2 at a path's first one, 1 at others]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=4096), help_heading = "Sampling")]
+    light_samples: Option<u32>,
     /// Where random numbers come from
     #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
     sampler: SamplerKind,

@@ -11,7 +11,7 @@ use crate::lighting::{LightReach, Receiver};
 use crate::math::Hit;
 use crate::prepare::PreparedScene;
 use crate::sampling::Purpose;
-use crate::settings::{RenderSettings, Strategy};
+use crate::settings::Strategy;
 use glam::Vec3;
 
 /// Which lights a strategy samples.
@@ -32,12 +32,14 @@ pub(super) fn direct(
     with: &mut Company<impl Recorder>,
 ) -> Vec3 {
     let Course { prepared, settings, reach, .. } = *course;
-    let count = settings.light_samples.max(1);
+    let count = course.light_samples(depth);
     let receiver = vertex.receiver();
     let mut sum = Vec3::ZERO;
     for k in 0..count {
-        let choice = with.sampler.get_1d(depth, Purpose::LightChoice(k));
-        let u = with.sampler.get_2d(depth, Purpose::LightPoint(k));
+        let mut sampler = with.sampler.split(k, count);
+        let choice = sampler.get_1d(depth, Purpose::LightChoice);
+        let u = sampler.get_2d(depth, Purpose::LightPoint);
+        with.sampler.follow(&sampler);
         let Some(light) = prepared.lights.sample(&prepared.scene, &prepared.geometry, &receiver, reach, choice, u)
         else {
             continue;
@@ -85,26 +87,22 @@ pub(super) fn power_heuristic_lanes<F: Floats>(pdf: F, other: F) -> F {
     pdf.fill(1.0) / (ratio * ratio + 1.0)
 }
 
-/// The share of emission found by scattering that light samples do not bring already.
-fn found_weight(settings: &RenderSettings, sent: &Sent, light_pdf: impl FnOnce(&Receiver) -> f32) -> f32 {
-    match (&sent.smooth, settings.strategy) {
+/// The share of emission found by scattering at vertex number `depth` − 1 that light samples do not bring already.
+fn found_weight(course: &Course, depth: u32, sent: &Sent, light_pdf: impl FnOnce(&Receiver) -> f32) -> f32 {
+    match (&sent.smooth, course.settings.strategy) {
         (None, _) | (_, Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf) => 1.0,
         (Some(_), Strategy::Light) => 0.0,
         (Some((receiver, pdf)), Strategy::Mis) => {
-            let light = light_pdf(receiver) * settings.light_samples.max(1) as f32;
+            let light = light_pdf(receiver) * course.light_samples(depth.saturating_sub(1)) as f32;
             if light == 0.0 { 1.0 } else { power_heuristic(*pdf, light) }
         }
     }
 }
 
-pub(super) fn emission_weight(
-    prepared: &PreparedScene,
-    settings: &RenderSettings,
-    reach: LightReach,
-    sent: &Sent,
-    place: &Place,
-) -> f32 {
-    found_weight(settings, sent, |receiver| {
+/// The share of the light that a path finds at a surface, its vertex number `depth`, which counts.
+pub(super) fn emission_weight(course: &Course, depth: u32, sent: &Sent, place: &Place) -> f32 {
+    let Course { prepared, reach, .. } = *course;
+    found_weight(course, depth, sent, |receiver| {
         prepared.lights.pdf_triangle(&prepared.geometry, place.triangle, receiver, place.point, reach)
     })
 }
@@ -122,15 +120,11 @@ pub(super) fn emission_found(prepared: &PreparedScene, hit: &Hit, front: bool, s
     }
 }
 
-pub(super) fn environment(
-    prepared: &PreparedScene,
-    settings: &RenderSettings,
-    reach: LightReach,
-    sent: &Sent,
-    dir: Vec3,
-) -> Vec3 {
+/// Light from beyond the scene that a path finds in place of its vertex number `depth`.
+pub(super) fn environment(course: &Course, depth: u32, sent: &Sent, dir: Vec3) -> Vec3 {
+    let Course { prepared, reach, .. } = *course;
     let Some(environment) = &prepared.lights.environment else { return Vec3::ZERO };
     let uv = environment.locate(dir);
-    let weight = found_weight(settings, sent, |_| prepared.lights.pdf_environment(uv, reach));
+    let weight = found_weight(course, depth, sent, |_| prepared.lights.pdf_environment(uv, reach));
     if weight == 0.0 { Vec3::ZERO } else { environment.radiance_at(uv) * weight }
 }

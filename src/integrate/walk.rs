@@ -18,6 +18,11 @@ use glam::Vec3;
 /// every bounce, without bound (and their variance infinite).
 pub(super) const MOST_SURVIVAL: f32 = 1.0;
 
+/// Light samples at a path's first vertex. They cost a ray each, and what they leave of their own noise is most of a picture's where light
+/// comes from lamps and environments rather than from walls: to a given error, two took 0.71 to 0.92 of the time of one under soft
+/// shadows, maps and many lights, 1.05 within a closed room, and a third gained nothing.
+const FIRST_SAMPLES: u32 = 2;
+
 /// What all paths of a picture share.
 #[derive(Clone, Copy)]
 pub(super) struct Course<'a> {
@@ -27,6 +32,8 @@ pub(super) struct Course<'a> {
     pub reach: LightReach,
     /// Whether camera rays that hit nothing show the environment.
     pub show_environment: bool,
+    /// Light samples at a path's first vertex, where nobody asks for more.
+    first_samples: u32,
 }
 
 /// What goes with a path, whoever follows it.
@@ -73,7 +80,24 @@ impl Walk {
 
 impl<'a> Course<'a> {
     pub fn new(prepared: &'a PreparedScene, settings: &'a RenderSettings, view: &View) -> Self {
-        Self { prepared, settings, reach: reach(settings.strategy), show_environment: view.show_environment }
+        let reach = reach(settings.strategy);
+        Self {
+            prepared,
+            settings,
+            reach,
+            show_environment: view.show_environment,
+            first_samples: if prepared.lights.varies(reach) { FIRST_SAMPLES } else { 1 },
+        }
+    }
+
+    /// Light samples at a path's vertex number `depth`.
+    #[inline(always)]
+    pub fn light_samples(&self, depth: u32) -> u32 {
+        match self.settings.light_samples {
+            Some(count) => count.max(1),
+            None if depth == 0 => self.first_samples,
+            None => 1,
+        }
     }
 
     /// See [`lanes_can`].
@@ -112,10 +136,10 @@ impl<'a> Course<'a> {
         hit: Option<Hit>,
         with: &mut Company<impl Recorder>,
     ) -> Option<Vertex> {
-        let Self { prepared, settings, reach, .. } = *self;
+        let Self { prepared, settings, .. } = *self;
         let Some((hit, place)) = hit.and_then(|hit| Some((hit, Place::new(prepared, &hit, walk.dir)?))) else {
             if depth > 0 || self.show_environment {
-                let light = environment(prepared, settings, reach, &walk.sent, walk.dir);
+                let light = environment(self, depth, &walk.sent, walk.dir);
                 let contribution = walk.throughput * light;
                 *with.radiance += contribution;
                 with.recorder.note(|| PathEvent::Environment { light, contribution });
@@ -133,7 +157,7 @@ impl<'a> Course<'a> {
         }
         let emitted = emission_found(prepared, &hit, place.front, &walk.sent, walk.cone.width);
         if emitted != Vec3::ZERO {
-            let weight = emission_weight(prepared, settings, reach, &walk.sent, &place);
+            let weight = emission_weight(self, depth, &walk.sent, &place);
             let contribution = walk.throughput * emitted * weight;
             *with.radiance += contribution;
             with.recorder.note(|| PathEvent::Emission { radiance: emitted, weight, contribution });

@@ -49,7 +49,7 @@ pub struct Way {
 }
 
 /// The ways that have a name: name, group, title, and what they do otherwise.
-pub const WAYS: [(&str, &str, &str, &str); 27] = [
+pub const WAYS: [(&str, &str, &str, &str); 28] = [
     ("kiln", "strategies", "Kiln's own way: MIS, Sobol' points, SAH tree", ""),
     ("light", "strategies", "light sampling alone", "strategy=light"),
     ("bsdf", "strategies", "BSDF sampling alone", "strategy=bsdf"),
@@ -64,6 +64,7 @@ pub const WAYS: [(&str, &str, &str, &str); 27] = [
     ("depth-2", "depth", "two scattering events", "max-depth=2"),
     ("depth-4", "depth", "four scattering events", "max-depth=4"),
     ("depth-8", "depth", "eight scattering events", "max-depth=8"),
+    ("lights-1", "lights", "1 light sample per vertex", "light-samples=1"),
     ("lights-2", "lights", "2 light samples per vertex", "light-samples=2"),
     ("lights-4", "lights", "4 light samples per vertex", "light-samples=4"),
     ("lights-8", "lights", "8 light samples per vertex", "light-samples=8"),
@@ -85,7 +86,7 @@ pub const WAYS: [(&str, &str, &str, &str); 27] = [
         "2018",
         "2018",
         "the 2018 tracer's way, made correct: uniform directions, xorshift32, sampled kd-tree",
-        "strategy=hemisphere sampler=xorshift32 kdtree=sampled adaptive=off",
+        "strategy=hemisphere sampler=xorshift32 kdtree=sampled adaptive=off light-samples=1",
     ),
 ];
 
@@ -150,7 +151,7 @@ impl Way {
         own.render.sampler = self.sampler.unwrap_or(own.render.sampler);
         own.prepare.kdtree = self.kdtree.unwrap_or(own.prepare.kdtree);
         own.render.max_depth = self.max_depth.unwrap_or(own.render.max_depth);
-        own.render.light_samples = self.light_samples.unwrap_or(own.render.light_samples);
+        own.render.light_samples = self.light_samples.or(own.render.light_samples);
         own.render.roulette_after = self.roulette.unwrap_or(own.render.roulette_after);
         own.render.adaptive = self.adaptive.unwrap_or(own.render.adaptive);
         own.render.reuse = self.reuse.unwrap_or(own.render.reuse);
@@ -244,7 +245,7 @@ mod tests {
         let some = ways("trees, kiln,median", &["mine: light-samples=3 sampler=pcg".into()]).expect("fine");
         let names: Vec<_> = some.iter().map(|w| w.name.as_str()).collect();
         assert_eq!(names, ["median", "sampled", "kiln", "mine"]);
-        assert_eq!(some[3].of(&settings).render.light_samples, 3);
+        assert_eq!(some[3].of(&settings).render.light_samples, Some(3));
         for wrong in ["fast", "", "mine: speed=2", "kiln: sampler=pcg", "mine: sampler=dice", ": sampler=pcg"] {
             assert!(Way::parse(wrong).is_err(), "{wrong}");
         }

@@ -151,6 +151,14 @@ impl Lights {
         self.choice.any(self.reach(reach))
     }
 
+    /// Whether two samples with this reach may find different light at one receiver.
+    pub fn varies(&self, reach: LightReach) -> bool {
+        let groups = self.reach(reach);
+        let triangles = groups > self.global + 1 && !self.triangles.is_empty();
+        let environment = groups > self.global + 2 && self.environment.is_some();
+        triangles || environment || self.punctual.len() > 1 || self.punctual.iter().any(PunctualLight::is_wide)
+    }
+
     /// Chooses a light and a point on it. `None` when nothing arrives at the receiver from there.
     pub fn sample(
         &self,

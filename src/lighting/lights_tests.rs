@@ -296,3 +296,26 @@ fn what_is_hidden_by_a_twin_is_no_light() {
         assert_eq!(twice.lights.pdf_triangle(&twice.geometry, triangle, &place, point, LightReach::All), 0.0);
     }
 }
+
+/// Of one lamp without extent, samples at a receiver are all the same; else they differ, as drawing them shows.
+#[test]
+fn samples_are_said_to_vary_where_they_do() {
+    let grey = EnvironmentSource::Constant([0.3; 3]);
+    let none = EnvironmentSource::None;
+    let worlds = [(0, 1, &none), (0, 1, &grey), (0, 1, &picture()), (0, 3, &none), (4, 0, &none), (4, 1, &grey)];
+    for (triangles, punctual, environment) in worlds {
+        let lit = lit(scene(triangles, punctual), environment, UpAxis::Y);
+        for reach in REACHES {
+            let differ = (0..40).any(|i| {
+                let draw = |k: u32| {
+                    let [choice, u, v] = [0, 1, 2].map(|n| number(k, 90 + n));
+                    lit.lights.sample(&lit.scene, &lit.geometry, &receiver(i), reach, choice, [u, v])
+                };
+                let directions: Vec<Vec3> = (0..60).filter_map(|k| Some(draw(k)?.direction)).collect();
+                directions.windows(2).any(|two| two[0] != two[1])
+            });
+            let what = format!("{triangles} triangles, {punctual} lamps, {environment:?}, {reach:?}");
+            assert_eq!(lit.lights.varies(reach), differ, "{what}");
+        }
+    }
+}

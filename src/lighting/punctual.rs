@@ -70,6 +70,11 @@ impl PunctualLight {
         if value.is_finite() { value } else { 0.0 }
     }
 
+    /// Whether light comes from more than a point or a direction.
+    pub fn is_wide(&self) -> bool {
+        matches!(self.kind, LightKind::Point { extent: Extent::Disc { .. } | Extent::Parallelogram { .. }, .. })
+    }
+
     /// How the light reaches `point`. `u` chooses among the points of lights with an extent.
     pub fn sample(&self, point: Vec3, u: [f32; 2]) -> Option<PunctualSample> {
         let from = |position: Vec3| {

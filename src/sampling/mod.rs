@@ -27,10 +27,10 @@ pub enum Purpose {
     Lobe,
     /// Direction of scattering.
     Direction,
-    /// Which light; the number counts light samples.
-    LightChoice(u32),
-    /// Point on the light; the number counts light samples.
-    LightPoint(u32),
+    /// Which light.
+    LightChoice,
+    /// Point on the light.
+    LightPoint,
     /// Russian roulette.
     Roulette,
     /// Coverage of a surface; the number is the triangle.
@@ -45,8 +45,8 @@ impl Purpose {
             Self::Pixel => (1, 0),
             Self::Lobe => (2, 0),
             Self::Direction => (3, 0),
-            Self::LightChoice(k) => (4, k),
-            Self::LightPoint(k) => (5, k),
+            Self::LightChoice => (4, 0),
+            Self::LightPoint => (5, 0),
             Self::Roulette => (6, 0),
             Self::Coverage(triangle) => (7, triangle),
             Self::Wavelength => (0, 0),
@@ -100,6 +100,17 @@ impl PathSampler {
     /// From a path's key and number of the point, for the samplers that are addressed.
     pub fn addressed(kind: SamplerKind, key: u32, index: u32) -> Self {
         Self { kind, key, index, state: 0 }
+    }
+
+    /// Where a path takes `count` samples of a kind at each vertex, the numbers of its `k`-th: all paths' samples together are points of
+    /// one sequence, well distributed among themselves.
+    pub fn split(&self, k: u32, count: u32) -> Self {
+        Self { index: self.index.wrapping_mul(count).wrapping_add(k), ..*self }
+    }
+
+    /// Goes on where a split one has come to: for samplers that draw in sequence.
+    pub fn follow(&mut self, split: &Self) {
+        self.state = split.state;
     }
 
     fn key_of(&self, vertex: u32, purpose: Purpose) -> u32 {

@@ -8,7 +8,7 @@ const KINDS: [SamplerKind; 4] = [SamplerKind::Sobol, SamplerKind::Pcg, SamplerKi
 fn neighbouring_pixels_are_uncorrelated() {
     let n = 128u32;
     for kind in KINDS {
-        for purpose in [Purpose::Pixel, Purpose::LightPoint(0), Purpose::Lobe, Purpose::Coverage(3)] {
+        for purpose in [Purpose::Pixel, Purpose::LightPoint, Purpose::Lobe, Purpose::Coverage(3)] {
             let value = |x: u32, y: u32| PathSampler::new(kind, 1, [x, y], 0).get_1d(2, purpose) - 0.5;
             for (dx, dy) in [(1, 0), (0, 1), (1, 1), (2, 0), (16, 0), (0, 16)] {
                 let mut sum = 0.0;
@@ -53,8 +53,8 @@ fn addressed_samplers_do_not_depend_on_the_order_of_questions() {
     for kind in [SamplerKind::Sobol, SamplerKind::Pcg] {
         let mut a = PathSampler::new(kind, 5, [3, 4], 17);
         let mut b = a;
-        let forward: Vec<_> = (0..5).map(|v| a.get_2d(v, Purpose::LightPoint(1))).collect();
-        let mut backward: Vec<_> = (0..5).rev().map(|v| b.get_2d(v, Purpose::LightPoint(1))).collect();
+        let forward: Vec<_> = (0..5).map(|v| a.get_2d(v, Purpose::LightPoint)).collect();
+        let mut backward: Vec<_> = (0..5).rev().map(|v| b.get_2d(v, Purpose::LightPoint)).collect();
         backward.reverse();
         assert_eq!(forward, backward);
     }
@@ -72,4 +72,36 @@ fn replicates_are_independent() {
     }
     let z = covariance / f64::from(n) * 12.0 * f64::from(n).sqrt();
     assert!(z.abs() < 4.0, "z = {z}");
+}
+
+/// Two samples a vertex lie in both halves of the unit interval, and those of four paths in all its eighths.
+#[test]
+fn split_samples_of_all_paths_are_well_distributed_together() {
+    for pixel in 0..50 {
+        let mut eighths = 0u32;
+        for sample in [0, 2, 4, 6] {
+            let path = PathSampler::new(SamplerKind::Sobol, 4, [pixel, 7], sample);
+            let [a, b] = [0, 1].map(|k| path.split(k, 2).get_1d(0, Purpose::LightChoice));
+            assert!((a < 0.5) != (b < 0.5), "{a} and {b}");
+            eighths |= 1 << (a * 8.0) as u32 | 1 << (b * 8.0) as u32;
+        }
+        assert_eq!(eighths, 0xFF, "pixel {pixel}");
+    }
+}
+
+/// One of one is the path's own.
+#[test]
+fn samplers_in_sequence_go_on_behind_what_was_split() {
+    for kind in KINDS {
+        let mut whole = PathSampler::new(kind, 4, [3, 7], 5);
+        let mut parts = whole;
+        let expected = [0, 1].map(|vertex| whole.get_1d(vertex, Purpose::LightChoice));
+        let got = [0, 1].map(|vertex| {
+            let mut split = parts.split(0, 1);
+            let number = split.get_1d(vertex, Purpose::LightChoice);
+            parts.follow(&split);
+            number
+        });
+        assert_eq!(expected, got, "{kind:?}");
+    }
 }

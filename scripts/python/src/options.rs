@@ -26,7 +26,7 @@ pub fn settings(options: &Bound<'_, PyDict>) -> PyResult<Settings> {
             "seed" => settings.render.seed = value.extract()?,
             "max_depth" => depth = Some(within(&key, value.extract::<i64>()?, 0, i64::from(u32::MAX))?),
             "light_samples" => {
-                settings.render.light_samples = within(&key, value.extract::<i64>()?, 1, 4096)?;
+                settings.render.light_samples = Some(within(&key, value.extract::<i64>()?, 1, 4096)?);
             }
             "strategy" => settings.render.strategy = word(&key, &value)?,
             "sampler" => settings.render.sampler = word(&key, &value)?,

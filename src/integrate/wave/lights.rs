@@ -95,13 +95,14 @@ impl Wave<'_> {
         carried: &Carried<L>,
     ) {
         let settings = self.course.settings;
-        let count = settings.light_samples.max(1);
+        let count = self.course.light_samples(depth);
         for k in 0..count {
             if self.memory.shadows.len + LANES > SHADOWS {
                 self.trace_shadows(depth);
             }
-            let choice = carried.samplers.get_1d(depth, Purpose::LightChoice(k));
-            let u = carried.samplers.get_2d(depth, Purpose::LightPoint(k));
+            let samplers = carried.samplers.split(k, count);
+            let choice = samplers.get_1d(depth, Purpose::LightChoice);
+            let u = samplers.get_2d(depth, Purpose::LightPoint);
             let (zero, one) = (l.splat(0.0), l.splat(1.0));
             let side = L::F::select(carried.both_sides, -one, one);
             let receiver = ReceiverLanes::<L> { point: surface.point, normal: surface.frame.z, side };

@@ -73,7 +73,7 @@ impl Wave<'_> {
         let dir = paths.load_vector(l, path::DIR, at);
         let (mut light, light_pdf) = lights.environment_lanes(l, dir, course.reach);
         let (pdf, zero) = (paths.load(l, path::PDF, at), l.splat(0.0));
-        let light_pdf = light_pdf * course.settings.light_samples.max(1) as f32;
+        let light_pdf = light_pdf * course.light_samples(depth.saturating_sub(1)) as f32;
         match course.settings.strategy {
             Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf => {}
             Strategy::Light => light = light.only(pdf.eq(zero)),

@@ -99,7 +99,7 @@ impl Wave<'_> {
             // What only the path can find is seen blurred, and bright beside the bright.
             let competes = self.memory.paths.float(path::PDF, i) > 0.0;
             if part.emits && !(competes && prepared.geometry.is_dark(triangle)) {
-                self.add_emission(i);
+                self.add_emission(depth, i);
             }
             if depth == course.settings.max_depth {
                 continue;
@@ -146,14 +146,14 @@ impl Wave<'_> {
     }
 
     /// Light that a surface emits.
-    fn add_emission(&mut self, i: usize) {
+    fn add_emission(&mut self, depth: u32, i: usize) {
         let course = self.course;
         let prepared = course.prepared;
         let (hit, walk) = (self.hit(i), self.memory.walk(i));
         let Some(place) = Place::new(prepared, &hit, walk.dir) else { return };
         let emitted = emission_found(prepared, &hit, place.front, &walk.sent, walk.cone.at(hit.t).width);
         if emitted != Vec3::ZERO {
-            let weight = emission_weight(prepared, course.settings, course.reach, &walk.sent, &place);
+            let weight = emission_weight(course, depth, &walk.sent, &place);
             self.slot(i).radiance += walk.throughput * emitted * weight;
         }
     }

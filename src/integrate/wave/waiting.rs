@@ -65,9 +65,10 @@ impl Wave<'_> {
             let receiver = ReceiverLanes::<L> { point: l.load_vector(point), normal: l.load_vector(normal), side };
             let of = (&course.prepared.scene, &course.prepared.geometry);
             let (lights, active) = (&course.prepared.lights, l.mask(waiting.lanes));
-            for k in 0..course.settings.light_samples.max(1) {
-                let choice = samplers.get_1d(depth, Purpose::LightChoice(k));
-                let u = samplers.get_2d(depth, Purpose::LightPoint(k));
+            for k in 0..course.light_samples(depth) {
+                let samplers = samplers.split(k, course.light_samples(depth));
+                let choice = samplers.get_1d(depth, Purpose::LightChoice);
+                let u = samplers.get_2d(depth, Purpose::LightPoint);
                 let room = &mut self.memory.lights;
                 let chosen = lights.sample_lanes(l, of, &receiver, active, course.reach, choice, u, room);
                 self.shadow_waiting(depth, k, at, &Chosen::of(&chosen), waiting);
@@ -83,7 +84,7 @@ impl Wave<'_> {
             self.trace_shadows(depth);
         }
         let (prepared, settings) = (self.course.prepared, self.course.settings);
-        let count = settings.light_samples.max(1) as f32;
+        let count = self.course.light_samples(depth) as f32;
         for lane in (0..LANES).filter(|lane| (chosen.valid & waiting.lanes) >> lane & 1 != 0) {
             let Some(Waits { vertex, throughput, inside }) = &waiting.vertices[lane] else { continue };
             let sample = chosen.get(lane);
