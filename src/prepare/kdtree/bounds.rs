@@ -7,8 +7,13 @@
 #[repr(C, align(32))]
 pub struct Bounds(pub [f32; 8]);
 
-/// A box around what one cell sees of a triangle.
+/// A box around what one cell sees of a triangle, or of a pair: two triangles with numbers that follow each other.
 pub type Reference = Bounds;
+
+/// Set in the number of a pair's first triangle.
+const PAIR: u32 = 1 << 31;
+/// Triangles that references can tell apart.
+pub const MOST_TRIANGLES: u32 = PAIR;
 
 impl Bounds {
     /// Holds nothing; the identity of [`Bounds::merge`].
@@ -27,7 +32,13 @@ impl Bounds {
         reference
     }
 
-    /// The thickness of the triangle that a reference refers to.
+    /// The same reference to a triangle and the one that follows it.
+    pub fn of_pair(mut self) -> Reference {
+        self.0[3] = f32::from_bits(self.0[3].to_bits() | PAIR);
+        self
+    }
+
+    /// The thickness of the triangle, or of the thicker one, that a reference refers to.
     pub fn thickness(&self) -> f32 {
         self.0[7]
     }
@@ -38,10 +49,17 @@ impl Bounds {
         Self([grown(0), grown(1), grown(2), 0.0, grown(4), grown(5), grown(6), 0.0])
     }
 
-    /// The triangle that a reference refers to.
+    /// The triangles that a reference refers to.
     #[inline(always)]
-    pub fn triangle(&self) -> u32 {
-        self.0[3].to_bits()
+    pub fn triangles(&self) -> std::ops::Range<u32> {
+        let first = self.0[3].to_bits() & !PAIR;
+        first..first + self.weight()
+    }
+
+    /// How many they are: one or two.
+    #[inline(always)]
+    pub fn weight(&self) -> u32 {
+        1 + (self.0[3].to_bits() >> 31)
     }
 
     /// Lower end on an axis.
@@ -83,6 +101,7 @@ impl Bounds {
     }
 
     /// What two boxes share; it may be empty.
+    #[inline(always)]
     pub fn intersection(&self, other: &Self) -> Self {
         let mut shared = *self;
         for (mine, theirs) in shared.0.iter_mut().zip(&other.0) {
@@ -92,6 +111,7 @@ impl Bounds {
     }
 
     /// Whether no point lies inside. A box without thickness is not empty.
+    #[inline(always)]
     pub fn is_empty(&self) -> bool {
         (0..3).any(|axis| self.lo(axis) > self.hi(axis))
     }

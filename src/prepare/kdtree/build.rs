@@ -1,10 +1,12 @@
 //! The recursion that all builders share: choose a plane, deal the references to its sides, cut those on both.
 
-use super::bounds::{Bounds, Reference};
+use super::bounds::{Bounds, MOST_TRIANGLES, Reference};
 use super::built::{Built, BuiltCell, BuiltKind};
 use super::cpu::CpuMeter;
-use super::split::{Cell, MAX_DEPTH, Plane, mix, sides};
-use super::{BuildOptions, Triangles, clip, median, sah, sah_simd, sampled};
+use super::deal::{Deal, Sides};
+use super::split::{Cell, MAX_DEPTH, Plane};
+use super::{BuildOptions, Triangles, median, references, sah, sah_simd, sampled};
+use crate::lanes::AnyLanes;
 use crate::settings::KdTreeBuilder;
 use kiln_formats::{Control, Stopped};
 use rayon::prelude::*;
@@ -28,6 +30,7 @@ struct Context<'a, T> {
     options: &'a BuildOptions,
     control: &'a Control,
     cpu: &'a CpuMeter,
+    lanes: AnyLanes,
 }
 
 /// Builds the binary tree.
@@ -38,19 +41,15 @@ pub fn build<T: Triangles>(
     cpu: &CpuMeter,
 ) -> Result<Built, Stopped> {
     control.check()?;
-    let n = u32::try_from(triangles.len()).unwrap_or(u32::MAX);
-    let mut refs = vec![Bounds::EMPTY; n as usize];
-    refs.par_chunks_mut(POLL_EVERY).enumerate().try_for_each(|(chunk, refs)| {
+    let n = u32::try_from(triangles.len()).map_or(MOST_TRIANGLES, |n| n.min(MOST_TRIANGLES)) as usize;
+    let few = n <= FEW;
+    let mut refs = vec![Bounds::EMPTY; n];
+    let make = |(chunk, refs): (usize, &mut [Reference])| {
         control.check()?;
-        cpu.measure(|| {
-            for (i, reference) in refs.iter_mut().enumerate() {
-                let triangle = (chunk * POLL_EVERY + i) as u32;
-                let corners = corners(triangles, triangle);
-                *reference = clip::whole(&corners).of_triangle(triangle, clip::thickness(&corners));
-            }
-        });
-        Ok(())
-    })?;
+        Ok(cpu.measure(|| references::make(triangles, (chunk * POLL_EVERY) as u32, !few, refs)))
+    };
+    let made: Vec<usize> = refs.par_chunks_mut(POLL_EVERY).enumerate().map(make).collect::<Result<_, Stopped>>()?;
+    cpu.measure(|| close_up(&mut refs, &made));
     let mut out = Built::default();
     if refs.is_empty() {
         return Ok(out);
@@ -59,28 +58,24 @@ pub fn build<T: Triangles>(
         KdTreeBuilder::Auto | KdTreeBuilder::Sah => MAX_REFERENCES_BY_COST,
         KdTreeBuilder::Median | KdTreeBuilder::Sampled => MAX_REFERENCES_PER_TRIANGLE,
     };
-    let few = refs.len() <= FEW;
-    let budget = if few { refs.len() / 4 } else { MIN_BUDGET + (refs.len() as f64 * (most - 1.0)) as usize };
+    let budget = if few { n / 4 } else { MIN_BUDGET + (n as f64 * (most - 1.0)) as usize };
     let root = cpu.measure(|| {
         out.thickness = refs.iter().map(Bounds::thickness).fold(0.0, f32::max);
-        Cell { bounds: Bounds::around(&refs), depth: 0, budget, path: 1 }
+        Cell { bounds: Bounds::around(&refs), depth: 0, triangles: n, budget, path: 1 }
     });
-    Context { triangles, options, control, cpu }.fork(refs, root, &mut out)?;
+    Context { triangles, options, control, cpu, lanes: AnyLanes::new(options.simd) }.fork(refs, root, &mut out)?;
     cpu.measure(|| out.widen());
     Ok(out)
 }
 
-#[inline(always)]
-fn corners<T: Triangles>(triangles: &T, triangle: u32) -> [[f32; 3]; 3] {
-    let [a, b, c] = triangles.vertices(triangle);
-    [a.to_array(), b.to_array(), c.to_array()]
-}
-
-/// The two sides of a plane.
-struct Sides {
-    plane: Plane,
-    left: Cell,
-    right: Cell,
+/// Removes the room that chunks have left, of which so many are in use.
+fn close_up(refs: &mut Vec<Reference>, made: &[usize]) {
+    let mut end = 0;
+    for (chunk, &len) in made.iter().enumerate() {
+        refs.copy_within(chunk * POLL_EVERY..chunk * POLL_EVERY + len, end);
+        end += len;
+    }
+    refs.truncate(end);
 }
 
 impl<T: Triangles> Context<'_, T> {
@@ -135,19 +130,6 @@ impl<T: Triangles> Context<'_, T> {
         self.descend(&mut right_refs, 0, sides.right, out)
     }
 
-    fn choose(&self, refs: &[Reference], cell: &Cell) -> Option<Plane> {
-        if sah::is_small(refs.len()) || cell.depth >= MAX_DEPTH {
-            return None;
-        }
-        match self.options.builder {
-            KdTreeBuilder::Median => median::choose(refs, cell),
-            KdTreeBuilder::Sampled => sampled::choose(refs, cell, self.options.seed),
-            KdTreeBuilder::Auto | KdTreeBuilder::Sah => sah_simd::choose(refs, cell, self.options.simd),
-        }
-    }
-
-    /// Deals `refs[base..]` to the sides of a plane: the left side stays in place, the right one goes to `right`. `None`,
-    /// with the references as they were, when the plane gains nothing or costs more duplicates than the cell may have.
     fn deal(
         &self,
         refs: &mut Vec<Reference>,
@@ -156,62 +138,17 @@ impl<T: Triangles> Context<'_, T> {
         plane: Plane,
         cell: &Cell,
     ) -> Option<Sides> {
-        let n = refs.len() - base;
-        let (n_left, n_right, both) = super::split::count_sides(&refs[base..], plane);
-        if n_left == 0 || n_right == 0 || (n_left == n && n_right == n) || both > cell.budget {
-            return None;
-        }
-        right.reserve_exact(n_right);
-        let (mut left_bounds, mut right_bounds) = (Bounds::EMPTY, Bounds::EMPTY);
-        let mut kept = base;
-        for i in base..refs.len() {
-            let reference = refs[i];
-            let (l, r) = sides(&reference, plane);
-            let (left_part, right_part) = match (l, r) {
-                (true, true) => self.cut(&reference, plane),
-                (true, false) => (Some(reference), None),
-                _ => (None, Some(reference)),
-            };
-            if let Some(part) = left_part {
-                left_bounds.merge(&part);
-                refs[kept] = part;
-                kept += 1;
-            }
-            if let Some(part) = right_part {
-                right_bounds.merge(&part);
-                right.push(part);
-            }
-        }
-        refs.truncate(kept);
-        let (n_left, n_right) = (kept - base, right.len());
-        let spare = cell.budget.saturating_sub((n_left + n_right).saturating_sub(n));
-        let left_share = (spare as f64 * n_left as f64 / (n_left + n_right) as f64) as usize;
-        let child = |bounds: Bounds, budget: usize, side: u64| Cell {
-            bounds,
-            depth: cell.depth + 1,
-            budget,
-            path: mix(cell.path.wrapping_mul(2).wrapping_add(side)),
-        };
-        Some(Sides {
-            plane,
-            left: child(left_bounds, left_share, 0),
-            right: child(right_bounds, spare - left_share, 1),
-        })
+        self.lanes.run(Deal { triangles: self.triangles, refs, base, right, plane, cell })
     }
 
-    /// Cuts a reference at a plane. At least one part remains: a box around nothing would lose a triangle.
-    fn cut(&self, reference: &Reference, plane: Plane) -> (Option<Reference>, Option<Reference>) {
-        let triangle = reference.triangle();
-        let corners = corners(self.triangles, triangle);
-        let tag = |part: Option<Bounds>| part.map(|b| b.of_triangle(triangle, reference.thickness()));
-        match clip::cut(&corners, reference, plane.axis, plane.at) {
-            (None, None) => {
-                let (mut below, mut above) = (*reference, *reference);
-                below.set_hi(plane.axis, plane.at);
-                above.set_lo(plane.axis, plane.at);
-                (Some(below), Some(above))
-            }
-            (below, above) => (tag(below), tag(above)),
+    fn choose(&self, refs: &[Reference], cell: &Cell) -> Option<Plane> {
+        if sah::is_small(cell.triangles) || cell.depth >= MAX_DEPTH {
+            return None;
+        }
+        match self.options.builder {
+            KdTreeBuilder::Median => median::choose(refs, cell),
+            KdTreeBuilder::Sampled => sampled::choose(refs, cell, self.options.seed),
+            KdTreeBuilder::Auto | KdTreeBuilder::Sah => sah_simd::choose(refs, cell, self.options.simd),
         }
     }
 }
@@ -221,6 +158,6 @@ fn leaf(refs: &[Reference], out: &mut Built) {
     for reference in refs {
         bounds.merge(&reference.widened(reference.thickness()));
     }
-    out.cells.push(BuiltCell { bounds, kind: BuiltKind::Leaf { count: refs.len() as u32 } });
-    out.triangles.extend(refs.iter().map(Reference::triangle));
+    out.cells.push(BuiltCell { bounds, kind: BuiltKind::Leaf { count: refs.iter().map(Reference::weight).sum() } });
+    out.triangles.extend(refs.iter().flat_map(Reference::triangles));
 }

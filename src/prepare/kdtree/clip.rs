@@ -18,6 +18,7 @@ pub fn thickness(corners: &[[f32; 3]; 3]) -> f32 {
 }
 
 /// The box around a whole triangle.
+#[inline(always)]
 pub fn whole(corners: &[[f32; 3]; 3]) -> Bounds {
     let ends = |pick: fn(f32, f32) -> f32| [0, 1, 2].map(|k| pick(pick(corners[0][k], corners[1][k]), corners[2][k]));
     Bounds::new(ends(f32::min), ends(f32::max))
@@ -32,11 +33,18 @@ pub fn clipped(corners: &[[f32; 3]; 3], cell: &Bounds) -> Option<Bounds> {
     reach.bounds_in(cell)
 }
 
-/// The boxes around the two parts into which a plane cuts what lies of a triangle in `cell`: below and above the plane.
+/// The boxes around the two parts into which a plane cuts what lies of a triangle in `cell`: below and above the plane. `whole` is the
+/// box around the triangle.
 #[inline(always)]
-pub fn cut(corners: &[[f32; 3]; 3], cell: &Bounds, axis: usize, at: f32) -> (Option<Bounds>, Option<Bounds>) {
+pub fn cut(
+    corners: &[[f32; 3]; 3],
+    whole: &Bounds,
+    cell: &Bounds,
+    axis: usize,
+    at: f32,
+) -> (Option<Bounds>, Option<Bounds>) {
     let mut polygon = Polygon::new(corners);
-    polygon.keep_within_where(cell, &whole(corners));
+    polygon.keep_within_where(cell, whole);
     let (below, above) = polygon.halves(axis, f64::from(at));
     (below.bounds_in(cell), above.bounds_in(cell))
 }
@@ -84,6 +92,7 @@ impl Polygon {
         }
     }
 
+    #[inline(always)]
     /// Keeps the half where `sign · (x − plane) ≥ 0`.
     fn keep(&mut self, axis: usize, plane: f64, sign: f64) {
         let inside = |corner: &[f64; 4]| sign * (corner[axis] - plane) >= 0.0;
@@ -211,7 +220,7 @@ mod tests {
             let (mut lower, mut upper) = (cell, cell);
             lower.set_hi(axis, at);
             upper.set_lo(axis, at);
-            let (below, above) = cut(&triangle, &cell, axis, at);
+            let (below, above) = cut(&triangle, &whole(&triangle), &cell, axis, at);
             for (got, side) in [(below, lower), (above, upper)] {
                 let wanted = clipped(&triangle, &side);
                 assert_eq!(got.is_some(), wanted.is_some());

@@ -90,19 +90,20 @@ impl Default for Judged {
 }
 
 impl Judged {
-    /// The cheapest of the planes that divide the cell and whose duplicates it can afford, if it is cheaper than `best`. `n` is the
-    /// number of the cell's references, of which `looked_at` were looked at.
+    /// The cheapest of the planes that divide the cell and whose duplicates it can afford, if it is cheaper than `best`. So many
+    /// of the cell's references were looked at.
     #[inline(always)]
     pub fn cheapest(
         &self,
         planes: &Planes,
         cell: &Cell,
-        (n, looked_at): (usize, usize),
+        looked_at: usize,
         best: Option<Candidate>,
     ) -> Option<Candidate> {
         let (lo, hi) = (cell.bounds.lo(planes.axis), cell.bounds.hi(planes.axis));
         let visit = COST_VISIT * cell.bounds.half_area();
-        let weight = n as f32 / looked_at as f32;
+        // Triangles that a reference stands for.
+        let weight = cell.triangles as f32 / looked_at as f32;
         let budget = cell.budget as f32;
         let looked_at = looked_at as i32;
         let mut costs = [f32::INFINITY; PLANES];

@@ -12,7 +12,7 @@ const SAMPLE_ABOVE: usize = 4096;
 const SAMPLE_STRIDE: usize = 8;
 /// Up to this many references, planes are moved to the exact edges of references.
 const REFINE_UP_TO: usize = 256;
-/// Above this many references, a split may cost up to `LARGE_LEAF_SLACK` leaves: below it, better ones may turn up.
+/// Above this many triangles, a split may cost up to `LARGE_LEAF_SLACK` leaves: below it, better ones may turn up.
 const LARGE_LEAF: usize = 128;
 const LARGE_LEAF_SLACK: f32 = 1.3;
 
@@ -32,7 +32,7 @@ pub fn choose(judge: impl Judge, refs: &[Reference], cell: &Cell) -> Option<Plan
         for row in 0..rows {
             let at = std::array::from_fn(|k| lo + step * (row * PLANES + k + 1) as f32);
             let planes = Planes { axis, at };
-            best = judge.judge(refs, stride, &planes).cheapest(&planes, cell, (n, looked_at), best);
+            best = judge.judge(refs, stride, &planes).cheapest(&planes, cell, looked_at, best);
         }
     }
     let mut best = best?;
@@ -43,8 +43,8 @@ pub fn choose(judge: impl Judge, refs: &[Reference], cell: &Cell) -> Option<Plan
     } else {
         best.plane = snap::to_an_edge(refs, cell, best.plane, step);
     }
-    let slack = if n > LARGE_LEAF { LARGE_LEAF_SLACK } else { 1.0 };
-    (best.cost < leaf_cost(n) * cell.bounds.half_area() * slack).then_some(best.plane)
+    let slack = if cell.triangles > LARGE_LEAF { LARGE_LEAF_SLACK } else { 1.0 };
+    (best.cost < leaf_cost(cell.triangles) * cell.bounds.half_area() * slack).then_some(best.plane)
 }
 
 /// Moves a plane to the best edge of a reference within a step of it.
@@ -65,7 +65,7 @@ fn refine(judge: impl Judge, refs: &[Reference], cell: &Cell, coarse: Candidate,
     let mut best = Some(coarse);
     for first in (0..len).step_by(PLANES) {
         let planes = Planes { axis, at: std::array::from_fn(|k| edges[first + k]) };
-        best = judge.judge(refs, 1, &planes).cheapest(&planes, cell, (refs.len(), refs.len()), best);
+        best = judge.judge(refs, 1, &planes).cheapest(&planes, cell, refs.len(), best);
     }
     best.unwrap_or(coarse)
 }

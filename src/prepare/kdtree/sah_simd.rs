@@ -149,7 +149,7 @@ mod tests {
                 Bounds::new(lo, lo.map(|x| x + size)).of_triangle(i, 0.0)
             };
             let refs: Vec<Reference> = (0..n).map(reference).collect();
-            let cell = Cell { bounds: Bounds::around(&refs), depth: 0, budget: 10_000, path: 1 };
+            let cell = Cell { bounds: Bounds::around(&refs), triangles: refs.len(), depth: 0, budget: 10_000, path: 1 };
             let plain = choose(&refs, &cell, SimdTier::Scalar);
             assert!(plain.is_some());
             assert_eq!(plain, choose(&refs, &cell, SimdTier::Avx2));

@@ -54,7 +54,7 @@ mod tests {
             Bounds::new([k, 0.0, 0.0], [k + 1.0, 1.0, 1.0]).of_triangle(i, 0.0)
         };
         let refs: Vec<Reference> = (0..5000).map(row).collect();
-        let cell = Cell { bounds: Bounds::around(&refs), depth: 0, budget: 10_000, path: 1 };
+        let cell = Cell { bounds: Bounds::around(&refs), triangles: refs.len(), depth: 0, budget: 10_000, path: 1 };
         let moved = to_an_edge(&refs, &cell, Plane { axis: 0, at: 4.7 }, 1.0);
         assert_eq!(moved, Plane { axis: 0, at: 5.0 });
         let none_near = Plane { axis: 0, at: 4.5 };

@@ -18,9 +18,11 @@ pub const MAX_DEPTH: u32 = 60;
 pub struct Cell {
     /// The box around its references.
     pub bounds: Bounds,
+    /// The triangles in it: of its references, pairs count twice.
+    pub triangles: usize,
     /// Planes above it.
     pub depth: u32,
-    /// References that planes below may still add by cutting triangles.
+    /// References to triangles that planes below may still add by cutting them.
     pub budget: usize,
     /// Names the way from the root: what random numbers are addressed by.
     pub path: u64,
@@ -72,18 +74,20 @@ pub fn split_cost(area: f32, left: (f32, usize), right: (f32, usize)) -> f32 {
 #[inline(always)]
 pub fn sides(reference: &Reference, plane: Plane) -> (bool, bool) {
     let right = reference.hi(plane.axis) > plane.at;
-    (reference.lo(plane.axis) < plane.at || !right, right)
+    ((reference.lo(plane.axis) < plane.at) | !right, right)
 }
 
-/// References on the left, on the right, and on both sides.
+/// Triangles on the left, on the right, and on both sides.
 pub fn count_sides(refs: &[Reference], plane: Plane) -> (usize, usize, usize) {
-    let (mut left, mut right) = (0, 0);
+    let (mut left, mut right, mut all) = (0, 0, 0);
     for reference in refs {
         let (l, r) = sides(reference, plane);
-        left += usize::from(l);
-        right += usize::from(r);
+        let weight = reference.weight() as usize;
+        left += usize::from(l) * weight;
+        right += usize::from(r) * weight;
+        all += weight;
     }
-    (left, right, left + right - refs.len())
+    (left, right, left + right - all)
 }
 
 /// A 64-bit hash (the finaliser of MurmurHash3, Stafford's variant 13).

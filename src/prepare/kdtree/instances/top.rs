@@ -59,7 +59,7 @@ fn divide(boxes: &[Bounds], order: &mut [u32], depth: u32, built: &mut Built) {
     let (_, axis, at) = best;
     sort(boxes, order, axis);
     let plane = Plane { axis, at: centre(&boxes[order[at] as usize], axis) };
-    let split = built.begin_split(&Cell { bounds, depth, budget: 0, path: 1 }, plane);
+    let split = built.begin_split(&Cell { bounds, triangles: 0, depth, budget: 0, path: 1 }, plane);
     let (left, right) = order.split_at_mut(at);
     divide(boxes, left, depth + 1, built);
     built.begin_right(split);
