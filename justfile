@@ -27,14 +27,23 @@ seed-claims:
     cargo build --release --bin kiln --example seed_claims
     scripts/seed_claims.py
 
-# Measure: `just bench rays` or `just bench convergence`, with their options.
+# Measure: `just bench rays`, `sizes`, `threads` or `convergence`, with their options.
 bench what="rays" *options:
     just bench-{{what}} {{options}}
 
 # Rays a second against Embree's on meshes of our own, by turns in one run (Debian: apt-get install libembree-dev).
 bench-rays *options:
-    c++ -O3 -march=native scripts/bench/embree_rays.cpp -o target/embree_rays -lembree3
+    c++ -O3 -march=native scripts/bench/embree_rays.cpp -o target/embree_rays -lembree3 -pthread
     cargo run --release --example bench_rays -- --embree target/embree_rays {{options}}
+
+# Rays and builds as meshes grow from a thousand triangles to ten million: a table, within ten minutes.
+bench-sizes *options:
+    cargo run --release --example bench_rays -- scan:1000 scan:10000 scan:100000 scan:1000000 scan:10000000 terrain:1000 terrain:10000 terrain:100000 terrain:1000000 terrain:10000000 --table --passes 2 --builds 2 --forms avx512,avx512-stream --sets camera,bounce,shadow {{options}}
+
+# Rays on one thread and on two, beside Embree's on as many.
+bench-threads *options:
+    c++ -O3 -march=native scripts/bench/embree_rays.cpp -o target/embree_rays -lembree3 -pthread
+    cargo run --release --example bench_rays -- --embree target/embree_rays --threads 1,2 --passes 3 --builds 1 --forms avx512-stream,avx512 --sets bounce,shadow scan terrain knot hair {{options}}
 
 # CPU seconds to an error on the bench scenes, with a peer in turn (`--help`). KILN_SHARED names the folder of scenes and
 # references; PYTHON a python3 with numpy and OpenEXR.

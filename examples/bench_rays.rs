@@ -1,12 +1,13 @@
 //! Rays a second: the kd-tree's forms against each other, and against Embree.
 //!
-//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce] [--threads N] [--builds N] [--copies]
+//!     cargo run --release --example bench_rays -- [MESH...] [--passes N] [--embree PROGRAM] [--robust] [--forms planes,scalar,avx2,avx512] [--sets camera,bounce] [--threads 1,2] [--builds N] [--copies] [--table]
 //!
 //! A form may end in -stream or -packet: rays go to the tree in batches, as scattered or as coherent ones. Meshes are made here: scan, terrain, knot, stadium, hair, foliage,
 //! straw, box, fur, clutter; scan, terrain, knot, hair and straw in any size, as scan:10000. A hundred placements of a mesh are many-MESH: shared on
 //! both sides, or with --copies copied on ours. Rays come from the tree itself: a camera, one bounce
 //! (diffuse) from each hit, the same shuffled, a second bounce, and a shadow ray to a point of a light above. All contenders take turns, pass
-//! by pass, on one thread (ours on N if asked for: CPU seconds of all); the best CPU time of each counts. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
+//! by pass, on one thread or on each of several numbers of threads (CPU seconds of all); the best CPU time of each counts. --table prints a
+//! row for each mesh, for a record of how rays fare as meshes grow. PROGRAM is scripts/bench/embree_rays.cpp, compiled; it gets the
 //! mesh and the rays as files and is asked for passes over its standard input.
 
 #![allow(clippy::disallowed_methods)]
@@ -19,6 +20,8 @@ mod many;
 mod meshes;
 #[path = "bench_rays/rays.rs"]
 mod rays;
+#[path = "bench_rays/table.rs"]
+mod table;
 
 use cpu_time::{ProcessTime, ThreadTime};
 use kiln::Control;
@@ -37,7 +40,8 @@ struct Arguments {
     forms: Vec<String>,
     sets: Vec<String>,
     builder: KdTreeBuilder,
-    threads: usize,
+    threads: Vec<usize>,
+    table: bool,
     builds: u32,
 }
 
@@ -51,7 +55,8 @@ fn arguments() -> Arguments {
         forms: vec!["avx512".into()],
         sets: Vec::new(),
         builder: KdTreeBuilder::Sah,
-        threads: 1,
+        threads: vec![1],
+        table: false,
         builds: 3,
     };
     let mut words = std::env::args().skip(1);
@@ -62,7 +67,10 @@ fn arguments() -> Arguments {
             "--embree" => asked.embree = Some(value()),
             "--robust" => asked.robust = true,
             "--copies" => asked.copies = true,
-            "--threads" => asked.threads = value().parse().expect("a number of threads"),
+            "--threads" => {
+                asked.threads = value().split(',').map(|n| n.parse().expect("numbers of threads")).collect();
+            }
+            "--table" => asked.table = true,
             "--builds" => asked.builds = value().parse().expect("a number of builds"),
             "--forms" => asked.forms = value().split(',').map(String::from).collect(),
             "--sets" => asked.sets = value().split(',').map(String::from).collect(),
@@ -168,7 +176,11 @@ fn share(tree: &KdTree, form: &str, rays: &[Ray], any: bool) -> Pass {
 
 fn main() {
     let asked = arguments();
-    println!("mesh\trays\tcontender\tMrays/s\tratio\thits\tmean_t");
+    if asked.table {
+        table::head(&asked.forms, &asked.sets);
+    } else {
+        println!("mesh\trays\tcontender\tthreads\tMrays/s\tratio\thits\tmean_t");
+    }
     let mut logs: Vec<f64> = Vec::new();
     for name in &asked.meshes {
         // As many-scan:10000: a hundred placements.
@@ -200,7 +212,13 @@ fn main() {
         let best_build =
             (0..asked.builds).map(|_| build(SimdTier::detect()).statistics().build_seconds).fold(f64::MAX, f64::min);
         let build_cpu = begin.elapsed().as_secs_f64() / f64::from(asked.builds);
-        println!(
+        let mut row = table::Row::new(name, &statistics, build_cpu);
+        let tell = |line: String| {
+            if !asked.table {
+                println!("{line}")
+            }
+        };
+        tell(format!(
             "# {name}: {} triangles, {:.2} references, {:.1} a leaf, depth {}, cost {:.2}, {:.1} bytes each, built in {best_build:.3} s ({build_cpu:.3} CPU)",
             statistics.triangles,
             statistics.references as f64 / statistics.triangles as f64,
@@ -208,51 +226,57 @@ fn main() {
             statistics.depth,
             statistics.sah_cost,
             statistics.bytes as f64 / statistics.triangles as f64,
-        );
+        ));
         let sets = rays::sets(mesh, trees[0].1);
         let mut rival = asked.embree.as_ref().map(|program| {
             let maps = many.as_ref().map_or(&[][..], |many| &many.maps);
             embree::Rival::new(program, shared.as_ref().unwrap_or(mesh), maps, asked.robust)
         });
         if let Some(rival) = &rival {
-            println!("# {name}: embree built in {:.3} s ({:.3} CPU)", rival.build_seconds, rival.build_cpu);
+            tell(format!("# {name}: embree built in {:.3} s ({:.3} CPU)", rival.build_seconds, rival.build_cpu));
         }
         for set in sets.iter().filter(|set| asked.sets.is_empty() || asked.sets.iter().any(|s| s == set.name)) {
-            let mut best: Vec<Pass> = trees.iter().map(|_| Pass { seconds: f64::MAX, hits: 0, sum_t: 0.0 }).collect();
-            let mut theirs = Pass { seconds: f64::MAX, hits: 0, sum_t: 0.0 };
             if let Some(rival) = &mut rival {
                 rival.load(set);
             }
-            for _ in 0..asked.passes {
-                for ((form, tree), best) in trees.iter().zip(&mut best) {
-                    let now = pass(tree, form, &set.rays, set.any, asked.threads);
-                    *best = if now.seconds < best.seconds { now } else { Pass { seconds: best.seconds, ..now } };
+            for &threads in &asked.threads {
+                let none = || Pass { seconds: f64::MAX, hits: 0, sum_t: 0.0 };
+                let mut best: Vec<Pass> = trees.iter().map(|_| none()).collect();
+                let mut theirs = none();
+                for _ in 0..asked.passes {
+                    for ((form, tree), best) in trees.iter().zip(&mut best) {
+                        let now = pass(tree, form, &set.rays, set.any, threads);
+                        *best = if now.seconds < best.seconds { now } else { Pass { seconds: best.seconds, ..now } };
+                    }
+                    if let Some(rival) = &mut rival {
+                        let now = rival.pass(threads);
+                        theirs = if now.seconds < theirs.seconds { now } else { theirs };
+                    }
                 }
-                if let Some(rival) = &mut rival {
-                    let now = rival.pass();
-                    theirs = if now.seconds < theirs.seconds { now } else { theirs };
+                let n = set.rays.len() as f64;
+                let mut print = |who: &str, p: &Pass, ratio: f64| {
+                    let mean_t = p.sum_t / p.hits.max(1) as f64;
+                    let speed = n / p.seconds * 1e-6;
+                    row.add(speed);
+                    tell(format!(
+                        "{name}\t{}\t{who}\t{threads}\t{speed:.2}\t{ratio:.2}\t{}\t{mean_t:.6}",
+                        set.name, p.hits
+                    ));
+                };
+                let base = if rival.is_some() { theirs.seconds } else { best[0].seconds };
+                for ((form, _), p) in trees.iter().zip(&best) {
+                    print(form, p, base / p.seconds);
+                }
+                if rival.is_some() {
+                    print("embree", &theirs, 1.0);
+                    if let Some(last) = best.last() {
+                        logs.push((theirs.seconds / last.seconds).ln());
+                    }
                 }
             }
-            let n = set.rays.len() as f64;
-            let print = |who: &str, p: &Pass, ratio: f64| {
-                let mean_t = p.sum_t / p.hits.max(1) as f64;
-                println!(
-                    "{name}\t{}\t{who}\t{:.2}\t{ratio:.2}\t{}\t{mean_t:.6}",
-                    set.name,
-                    n / p.seconds * 1e-6,
-                    p.hits
-                );
-            };
-            let base = if rival.is_some() { theirs.seconds } else { best[0].seconds };
-            for ((form, _), p) in trees.iter().zip(&best) {
-                print(form, p, base / p.seconds);
-            }
-            if rival.is_some() {
-                print("embree", &theirs, 1.0);
-                if let Some(last) = best.last() {
-                    logs.push((theirs.seconds / last.seconds).ln());
-                }
-            }
+        }
+        if asked.table {
+            println!("{row}");
         }
     }
     if !logs.is_empty() {

@@ -60,8 +60,8 @@ impl Rival {
         self.answer();
     }
 
-    pub fn pass(&mut self) -> Pass {
-        writeln!(self.to, "pass").expect("Embree listens");
+    pub fn pass(&mut self, threads: usize) -> Pass {
+        writeln!(self.to, "pass {threads}").expect("Embree listens");
         let answer = self.answer();
         Pass { seconds: answer[0], hits: answer[1] as u64, sum_t: answer[2] }
     }

@@ -1,9 +1,9 @@
 // Embree's side of the ray race (examples/bench_rays.rs): one thread, single-ray queries, answers over standard output.
-//   c++ -O3 -march=native scripts/bench/embree_rays.cpp -o embree_rays -lembree3     (Debian: apt-get install libembree-dev)
+//   c++ -O3 -march=native scripts/bench/embree_rays.cpp -o embree_rays -lembree3 -pthread     (Debian: apt-get install libembree-dev)
 // embree_rays MESH.bin [robust] [PLACEMENTS.bin]: builds three times with two threads and prints the best wall and the mean CPU seconds; then reads commands:
 //   With placements (each 12 floats, three columns and the origin), the scene is instances of the mesh.
 //   closest FILE | any FILE   loads rays (u32 n, then n * (ox oy oz tnear dx dy dz tfar))
-//   pass                      traces them and prints seconds, hits, the sum of the hits' distances
+//   pass N                    traces them on N threads and prints CPU seconds of all, hits, the sum of the hits' distances
 //   quit
 #include <embree3/rtcore.h>
 #include <chrono>
@@ -13,6 +13,7 @@
 #include <fstream>
 #include <iostream>
 #include <string>
+#include <thread>
 #include <time.h>
 #include <vector>
 
@@ -23,6 +24,12 @@ static double cpu() {
     return t.tv_sec + t.tv_nsec * 1e-9;
 }
 static double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+struct Share {
+    double seconds = 0;
+    uint64_t hits = 0;
+    double sum = 0;
+};
 
 struct InputRay {
     float origin[3], tnear, dir[3], tfar;
@@ -91,26 +98,38 @@ int main(int argc, char** argv) {
     std::string command;
     while (std::cin >> command && command != "quit") {
         if (command == "pass") {
-            uint64_t hits = 0;
-            double sum = 0, begin = cpu();
-            for (const InputRay& in : rays) {
-                RTCIntersectContext context;
-                rtcInitIntersectContext(&context);
-                if (any) {
-                    RTCRay ray;
-                    set(ray, in);
-                    rtcOccluded1(scene, &context, &ray);
-                    hits += ray.tfar < 0;
-                } else {
-                    RTCRayHit hit;
-                    set(hit.ray, in);
-                    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-                    rtcIntersect1(scene, &context, &hit);
-                    if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID) hits++, sum += hit.ray.tfar;
+            size_t threads = 1;
+            std::cin >> threads;
+            std::vector<Share> shares(threads);
+            auto trace = [&](size_t k) {
+                uint64_t hits = 0;
+                double sum = 0, begin = cpu();
+                for (size_t i = rays.size() * k / threads; i < rays.size() * (k + 1) / threads; i++) {
+                    const InputRay& in = rays[i];
+                    RTCIntersectContext context;
+                    rtcInitIntersectContext(&context);
+                    if (any) {
+                        RTCRay ray;
+                        set(ray, in);
+                        rtcOccluded1(scene, &context, &ray);
+                        hits += ray.tfar < 0;
+                    } else {
+                        RTCRayHit hit;
+                        set(hit.ray, in);
+                        hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+                        rtcIntersect1(scene, &context, &hit);
+                        if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID) hits++, sum += hit.ray.tfar;
+                    }
                 }
-            }
-            double seconds = cpu() - begin;
-            std::printf("%.9f %llu %.9g\n", seconds, (unsigned long long)hits, sum);
+                shares[k] = {cpu() - begin, hits, sum};
+            };
+            std::vector<std::thread> others;
+            for (size_t k = 1; k < threads; k++) others.emplace_back(trace, k);
+            trace(0);
+            for (std::thread& other : others) other.join();
+            Share all;
+            for (const Share& share : shares) all.seconds += share.seconds, all.hits += share.hits, all.sum += share.sum;
+            std::printf("%.9f %llu %.9g\n", all.seconds, (unsigned long long)all.hits, all.sum);
             std::fflush(stdout);
         } else {
             std::string path;

@@ -112,14 +112,16 @@ fn hash([x, y, z]: [u32; 3]) -> usize {
 }
 
 /// The size of the pool that a block of these triangles should have, and where their corners are in it: 0 where a plain block is
-/// smaller.
-pub fn pool<T: Triangles>(ids: &[u32], triangles: &T) -> (usize, Indices) {
+/// smaller, or the pool would have more than `most` corners.
+pub fn pool<T: Triangles>(ids: &[u32], triangles: &T, most: usize) -> (usize, Indices) {
     let none = (0, [[0; BLOCK]; 3]);
     if ids.is_empty() || ids.len() > BLOCK {
         return none;
     }
     match Pool::find(ids, triangles) {
-        Some(found) if words_of(ids.len(), found.len) < words_of(ids.len(), 0) => (found.len, found.indices),
+        Some(found) if found.len <= most && words_of(ids.len(), found.len) < words_of(ids.len(), 0) => {
+            (found.len, found.indices)
+        }
         _ => none,
     }
 }
@@ -185,7 +187,7 @@ mod tests {
 
     fn check(n: usize, triangles: &impl Triangles) {
         let ids: Vec<u32> = (0..n as u32).map(|i| i + 4).collect();
-        for (pool, indices) in [(0, [[0; BLOCK]; 3]), pool(&ids, triangles)] {
+        for (pool, indices) in [(0, [[0; BLOCK]; 3]), pool(&ids, triangles, POOL)] {
             let mut words = vec![0; words_of(n, pool)];
             write(&mut words, &ids, pool, &indices, triangles);
             let block = Block { len: n, pool, words: &words };
@@ -203,9 +205,10 @@ mod tests {
             check(n, &Squares);
         }
         let ids: Vec<u32> = (0..16).collect();
-        assert_eq!(pool(&ids[..14], &Fan(30)).0, 16, "14 triangles of a fan have 16 corners");
-        assert_eq!(pool(&ids, &Squares).0, 32, "eight squares have 32");
+        assert_eq!(pool(&ids[..14], &Fan(30), POOL).0, 16, "14 triangles of a fan have 16 corners");
+        assert_eq!(pool(&ids, &Squares, POOL).0, 32, "eight squares have 32");
+        assert_eq!(pool(&ids, &Squares, 31).0, 0, "and no pool of fewer");
         let odd: Vec<u32> = ids.iter().map(|i| 2 * i).collect();
-        assert_eq!(pool(&odd, &Squares).0, 0, "sixteen triangles that share nothing have too many");
+        assert_eq!(pool(&odd, &Squares, POOL).0, 0, "sixteen triangles that share nothing have too many");
     }
 }

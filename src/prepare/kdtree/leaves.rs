@@ -1,11 +1,12 @@
 //! Where the triangles of leaves lie.
 //!
-//! A leaf of up to 16 references is one block, plain or pooled (see [`super::block`]); a larger one is a sequence of plain
-//! blocks behind a grain that holds its count. Blocks begin at multiples of 32 bytes.
+//! A leaf of up to 16 references is one block, plain or pooled (see [`super::block`]); a larger one is a sequence of blocks behind a
+//! grain that holds its count and how many of the blocks, the first ones, have pools: all with room for 32 corners, so that each
+//! block's place is known. Blocks begin at multiples of 32 bytes.
 
 use super::Triangles;
 use super::aligned::AlignedWords;
-use super::block::{self, Block, Indices, words_of};
+use super::block::{self, Block, Indices, POOL, words_of};
 use super::built::{Built, BuiltKind};
 use super::cpu::CpuMeter;
 use super::split::BLOCK;
@@ -32,21 +33,25 @@ pub struct Leaf {
     pub first: u32,
     /// Its references.
     pub count: u32,
-    /// Corners in the pool of its block; 0 for plain blocks.
+    /// Corners in the pool of its block; 0 for a plain one, and for a leaf of more than 16 references.
     pub pool: u32,
 }
 
-fn grains_of(block: usize, pool: usize) -> usize {
+#[inline(always)]
+const fn grains_of(block: usize, pool: usize) -> usize {
     words_of(block, pool).div_ceil(GRAIN)
 }
 
-impl Leaf {
-    /// Grains that it fills.
-    fn grains(&self) -> u32 {
-        let (count, pool) = (self.count as usize, self.pool as usize);
-        ((count / BLOCK) * grains_of(BLOCK, pool) + grains_of(count % BLOCK, if count < BLOCK { pool } else { 0 }))
-            as u32
-    }
+/// Grains that a leaf fills, whose block has so large a pool; or so many of whose blocks have pools, if it has more than one.
+fn grains_of_leaf(count: u32, pool: u32) -> u32 {
+    let (count, pool) = (count as usize, pool as usize);
+    let grains = if count <= BLOCK {
+        grains_of(count, pool)
+    } else {
+        let plain = count - pool * BLOCK;
+        pool * grains_of(BLOCK, POOL) + plain / BLOCK * grains_of(BLOCK, 0) + grains_of(plain % BLOCK, 0)
+    };
+    grains as u32
 }
 
 /// The leaves of a built tree, before they have a place.
@@ -54,13 +59,14 @@ pub struct Contents<'a> {
     triangles: &'a [u32],
     /// Where each leaf's references begin in the list of all; one more than there are leaves.
     begins: Vec<usize>,
-    /// The size of each leaf's pool, and where its triangles' corners are in it.
+    /// The size of each leaf's pool, and where its triangles' corners are in it; of leaves of more than 16 references, how many of their
+    /// blocks have pools.
     pub pools: Vec<(u32, Indices)>,
 }
 
 impl<'a> Contents<'a> {
-    /// Looks into the leaves.
-    pub fn new<T: Triangles>(built: &'a Built, triangles: &T, cpu: &CpuMeter) -> Self {
+    /// Looks into the leaves. Pools have so many corners at most.
+    pub fn new<T: Triangles>(built: &'a Built, triangles: &T, most: usize, cpu: &CpuMeter) -> Self {
         let mut begins = vec![0];
         let mut end = 0;
         for cell in &built.cells {
@@ -74,8 +80,13 @@ impl<'a> Contents<'a> {
             cpu.measure(|| {
                 for (i, pool) in pools.iter_mut().enumerate() {
                     let leaf = chunk * FORK_ABOVE + i;
-                    let (len, indices) = block::pool(&built.triangles[begins[leaf]..begins[leaf + 1]], triangles);
-                    *pool = (len as u32, indices);
+                    let ids = &built.triangles[begins[leaf]..begins[leaf + 1]];
+                    *pool = if ids.len() > BLOCK {
+                        (pooled_blocks(ids, triangles, most) as u32, [[0; BLOCK]; 3])
+                    } else {
+                        let (len, indices) = block::pool(ids, triangles, most);
+                        (len as u32, indices)
+                    };
                 }
             });
         });
@@ -85,6 +96,14 @@ impl<'a> Contents<'a> {
     fn ids(&self, leaf: u32) -> &'a [u32] {
         &self.triangles[self.begins[leaf as usize]..self.begins[leaf as usize + 1]]
     }
+}
+
+/// How many of a large leaf's blocks have pools: the first ones, up to the first whose triangles have too many corners.
+fn pooled_blocks<T: Triangles>(ids: &[u32], triangles: &T, most: usize) -> usize {
+    if most < POOL {
+        return 0;
+    }
+    ids.chunks_exact(BLOCK).take_while(|block| block::pool(block, triangles, POOL).0 > 0).count()
 }
 
 /// Deals out places for leaves.
@@ -116,8 +135,9 @@ impl Places for Planner<'_> {
 
     fn place(&mut self, number: u32, count: u32) -> Leaf {
         let (pool, _) = self.pools[number as usize];
-        let leaf = Leaf { first: self.next + u32::from(count as usize > BLOCK), count, pool };
-        self.next = leaf.first + leaf.grains();
+        let large = count as usize > BLOCK;
+        let leaf = Leaf { first: self.next + u32::from(large), count, pool: if large { 0 } else { pool } };
+        self.next = leaf.first + grains_of_leaf(count, pool);
         self.order.push(number);
         self.leaves[number as usize] = leaf;
         leaf
@@ -136,18 +156,25 @@ impl LeafStore {
             &|words, grain, number| {
                 let leaf = leaves[number as usize];
                 let ids = contents.ids(number);
-                let (_, indices) = &contents.pools[number as usize];
+                let (pool, indices) = &contents.pools[number as usize];
                 let mut at = (leaf.first - grain) as usize * GRAIN;
-                if ids.len() > BLOCK {
-                    words[at - GRAIN] = leaf.count;
+                if ids.len() <= BLOCK {
+                    let len = words_of(ids.len(), leaf.pool as usize);
+                    return block::write(&mut words[at..at + len], ids, leaf.pool as usize, indices, triangles);
                 }
-                for block in ids.chunks(BLOCK) {
-                    let len = words_of(block.len(), leaf.pool as usize);
-                    block::write(&mut words[at..at + len], block, leaf.pool as usize, indices, triangles);
-                    at += grains_of(block.len(), leaf.pool as usize) * GRAIN;
+                (words[at - GRAIN], words[at - GRAIN + 1]) = (leaf.count, *pool);
+                for (k, ids) in ids.chunks(BLOCK).enumerate() {
+                    let room = if k < *pool as usize { POOL } else { 0 };
+                    let (_, indices) = if room > 0 { block::pool(ids, triangles, POOL) } else { (0, *indices) };
+                    let len = words_of(ids.len(), room);
+                    block::write(&mut words[at..at + len], ids, room, &indices, triangles);
+                    at += grains_of(ids.len(), room) * GRAIN;
                 }
             },
-            &|number| leaves[number as usize].first + leaves[number as usize].grains(),
+            &|number| {
+                let leaf = leaves[number as usize];
+                leaf.first + grains_of_leaf(leaf.count, contents.pools[number as usize].0)
+            },
             cpu,
         );
         Self { words: store }
@@ -156,12 +183,19 @@ impl LeafStore {
     /// The blocks of a leaf.
     #[inline(always)]
     pub fn blocks(&self, leaf: Leaf) -> impl Iterator<Item = Block<'_>> {
-        let words = &self.words.as_slice()[leaf.first as usize * GRAIN..];
+        let first = leaf.first as usize * GRAIN;
+        let words = &self.words.as_slice()[first..];
         let count = leaf.count as usize;
-        (0..count).step_by(BLOCK).map(move |begin| Block {
-            len: (count - begin).min(BLOCK),
-            pool: leaf.pool as usize,
-            words: &words[words_of(begin, 0)..],
+        // References in blocks with pools, where there are several blocks.
+        let pooled = if count > BLOCK { BLOCK * self.words.as_slice()[first - GRAIN + 1] as usize } else { 0 };
+        (0..count).step_by(BLOCK).map(move |begin| {
+            let plain = begin >= pooled;
+            let before = if plain { pooled } else { begin };
+            Block {
+                len: (count - begin).min(BLOCK),
+                pool: if plain { leaf.pool as usize } else { POOL },
+                words: &words[before / BLOCK * grains_of(BLOCK, POOL) * GRAIN + words_of(begin - before, 0)..],
+            }
         })
     }
 

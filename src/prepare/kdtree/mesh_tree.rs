@@ -2,8 +2,14 @@
 
 use super::bounds::Bounds;
 use super::cpu::CpuMeter;
-use super::{BuildOptions, Statistics, Triangles, binary, build, leaves, validate, wide};
+use super::{BuildOptions, Statistics, Triangles, binary, block, build, leaves, validate, wide};
+use crate::math::simd::SimdTier;
 use kiln_formats::{Control, Stopped};
+
+/// Corners that pools may have: AVX2 takes seven instructions to pick from more than sixteen.
+fn most_corners(tier: SimdTier) -> usize {
+    if tier.available() == SimdTier::Avx2 { block::POOL / 2 } else { block::POOL }
+}
 
 /// A tree over triangles, with a copy of their corners in its leaves.
 #[derive(Debug)]
@@ -31,7 +37,7 @@ impl MeshTree {
         control.check()?;
         let (grouping, contents) = rayon::join(
             || cpu.measure(|| wide::grouping::Grouping::new(&built)),
-            || leaves::Contents::new(&built, triangles, cpu),
+            || leaves::Contents::new(&built, triangles, most_corners(options.simd), cpu),
         );
         let mut planner = leaves::Planner::new(&contents.pools);
         let wide = cpu.measure(|| wide::collapse::collapse(&built, &grouping, &mut planner));

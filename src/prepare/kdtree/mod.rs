@@ -17,6 +17,8 @@ mod deal;
 mod instances;
 mod judge;
 mod leaves;
+#[cfg(test)]
+mod leaves_tests;
 mod median;
 mod mesh_tree;
 mod references;

@@ -84,7 +84,7 @@ impl Place {
     fn new(random: &mut Random, round: usize, len: usize) -> Self {
         let (strip, rays) = scene(random, round);
         let ids: Vec<u32> = (0..len as u32).collect();
-        let (pool, indices) = block::pool(&ids, &strip);
+        let (pool, indices) = block::pool(&ids, &strip, block::POOL);
         let mut words = vec![0; words_of(len, pool)];
         block::write(&mut words, &ids, pool, &indices, &strip);
         Self { strip, rays, words, len, pool }

@@ -101,7 +101,7 @@ fn check(kernel: impl Kernel) -> u32 {
         let points: Vec<Vec3> = (0..step * len + 2).map(|_| random.point()).collect();
         let strip = Strip(points.windows(3).step_by(step).map(|w| [w[0], w[1], w[2]]).collect());
         let ids: Vec<u32> = (0..len as u32).collect();
-        for (pool, indices) in [(0, [[0; 16]; 3]), block::pool(&ids, &strip)] {
+        for (pool, indices) in [(0, [[0; 16]; 3]), block::pool(&ids, &strip, block::POOL)] {
             let mut words = vec![0; words_of(len, pool)];
             block::write(&mut words, &ids, pool, &indices, &strip);
             words.resize(words.len() + 64, u32::MAX);
