@@ -76,6 +76,8 @@ impl Inside {
         if let Some(at) = self.bodies[..self.depth].iter().rposition(|m| *m == material) {
             self.bodies.copy_within(at + 1..self.depth, at);
             self.depth -= 1;
+            // Who has left everything is as if never inside.
+            self.bodies[self.depth] = MaterialId::default();
         }
         self
     }
@@ -184,7 +186,19 @@ pub(super) fn bounds_body(prepared: &PreparedScene, material: MaterialId) -> boo
 
 #[cfg(test)]
 mod tests {
-    use super::dispersed;
+    use super::{Inside, dispersed};
+
+    /// Lanes follow paths that are in nothing: whoever is taken to be inside for ever goes one by one for ever.
+    #[test]
+    fn what_has_been_left_leaves_no_trace() {
+        let outside = Inside::default();
+        assert_ne!(outside.entered(5), outside);
+        assert_eq!(outside.entered(5).left(5), outside);
+        assert_eq!(outside.entered(5).entered(3).left(5), outside.entered(3));
+        assert_eq!(outside.entered(5).entered(3).entered(4).left(5).left(3).left(4), outside);
+        let deep = (1..40).fold(outside, Inside::entered);
+        assert_eq!((1..40).fold(deep, Inside::left), outside);
+    }
 
     #[test]
     fn indices_are_those_of_the_abbe_number() {
