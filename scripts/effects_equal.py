@@ -36,9 +36,16 @@ def compare(out):
     return equal + differ, not differ
 
 
+def is_plain(name, effects):
+    """Diffuse or metal-rough, without texture, alpha, layers, bodies and glass."""
+    more = {"textures", "normal-maps", "alpha-cutouts", "alpha-blending", "transmission", "refraction", "clearcoat", "sheen", "iridescence", "anisotropy"}
+    more |= {"diffuse-transmission", "diffuse-roughness", "unlit", "mirror"}
+    return not name.endswith(".ray") and not more & set(effects)
+
+
 def measure(kiln, folders, names):
     """Gain, bytes a triangle held and full, effects, for each asset."""
-    rows = []
+    rows, regions = [], {}
     for name in dict.fromkeys(names):
         path = next((p for p in (Path(folder).parent / name for folder in folders) if p.exists()), None)
         out = path and subprocess.run([kiln, "inspect", path, "--effects", "--measure", "--json"], capture_output=True, text=True).stdout
@@ -50,7 +57,23 @@ def measure(kiln, folders, names):
         effects = [e["effect"] for e in facts["effects"]]
         rows.append((m["full_cpu_seconds"] / m["pruned_cpu_seconds"], name, m, [held[k] / triangles for k in ("held", "full")], effects))
         print(f"{len(rows)}: {name} {rows[-1][0]:.2f}", file=sys.stderr, flush=True)
+        regions[name] = (facts["never_met"], facts["asked"])
+    tell_regions(regions)
     return sorted(rows, reverse=True, key=lambda row: row[0])
+
+
+def tell_regions(regions):
+    """Triangles that no ray meets, and those that rays have to ask, over all assets."""
+    triangles = sum(asked["triangles"] for _, asked in regions.values())
+    print(f"{triangles} triangles in {len(regions)} assets")
+    for why in ("without_area", "open", "behind_twin", "behind_turned_twin"):
+        of = sorted(((unmet[why], name) for name, (unmet, _) in regions.items() if unmet[why]), reverse=True)
+        most = ", ".join(f"{Path(name).name} {count}" for count, name in of[:8])
+        print(f"- {why}: {sum(count for count, _ in of)} in {len(of)} assets ({most})")
+    asking = [asked for _, asked in regions.values() if asked["coverage"] + asked["culling"]]
+    way = [asked for asked in asking if asked["on_the_way"]]
+    parts = [a for a in asking if 0 < a["coverage"] < a["triangles"] or not a["coverage"] and 0 < a["culling"] < a["triangles"]]
+    print(f"- something to ask: {len(asking)} assets, of which {len(way)} on the way; of some triangles and not of others: {len(parts)}")
 
 
 def table(rows):
@@ -59,9 +82,11 @@ def table(rows):
         low, middle, high = statistics.quantiles(gains, n=4) if len(gains) > 1 else gains * 3
         return f"{len(gains)} | {max(gains):.2f} | {high:.2f} | {middle:.2f} | {low:.2f} | {min(gains):.2f} |"
 
-    plain = [r for r in rows if not {"textures", "alpha-cutouts", "alpha-blending"} & set(r[4])]
+    bare = [r for r in rows if not {"textures", "alpha-cutouts", "alpha-blending"} & set(r[4])]
+    plain = [r for r in rows if is_plain(r[1], r[4])]
     print("| CPU of rendering, full over pruned | assets | best | upper quartile | median | lower quartile | worst |\n| --- | --- | --- | --- | --- | --- | --- |")
-    print(f"| all | {figures(rows)}\n| without texture and alpha | {figures(plain)}")
+    print(f"| all | {figures(rows)}\n| without texture and alpha | {figures(bare)}\n| plain: diffuse or metal-rough alone | {figures(plain)}")
+    print(f"\nPlain ones of at least 1.3: {sum(r[0] >= 1.295 for r in plain)} of {len(plain)}")
     print(f"\nNot the same bits: {[r[1] for r in rows if not r[2]['same_bits']] or 'none'}\n")
     print("| asset | gain | pruned, ms | full, ms | attributes, bytes a triangle | all of them | effects |\n| --- | --- | --- | --- | --- | --- | --- |")
     for gain, name, m, (held, full), effects in rows:

@@ -6,7 +6,7 @@ use kiln::batch::{Job, Output, Ready, make_ready};
 use kiln::effects::AttributeBytes;
 use kiln::formats::Limits;
 use kiln::integrate::render;
-use kiln::prepare::PreparedScene;
+use kiln::prepare::{Asked, PreparedScene, Unmet};
 use kiln::settings::{EffectSet, EffectSettings, PrepareSettings, RenderSettings, Settings, ViewSettings};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -92,6 +92,9 @@ pub fn lines(prepared: &PreparedScene) -> Vec<String> {
         let rest = if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
         format!("{head}{what} ({}{rest})", places[0])
     }));
+    lines.extend(regions(&prepared.asked()));
+    let tree = prepared.kdtree_statistics();
+    lines.extend(never_met(&prepared.unmet(), tree.bytes as f64 / tree.triangles.max(1) as f64));
     let AttributeBytes { held, full, images, .. } = prepared.attribute_bytes();
     let triangles = prepared.triangles.max(1) as f64;
     lines.push(format!(
@@ -101,4 +104,31 @@ pub fn lines(prepared: &PreparedScene) -> Vec<String> {
         images as f64 / 1e6
     ));
     lines
+}
+
+/// Which part of the triangles lets rays pass, and when that is asked.
+fn regions(asked: &Asked) -> Option<String> {
+    let share = |count: u64| format!("{count} of {} triangles", asked.triangles);
+    let of = [(asked.coverage, "any ray by coverage"), (asked.culling, "camera rays from behind")];
+    let of: Vec<_> =
+        of.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} may let {what} pass", share(*n))).collect();
+    let when = match asked.on_the_way {
+        true => "asked at every hit on the way",
+        false => "asked at nearest hits alone, elsewhere where many pass",
+    };
+    (!of.is_empty()).then(|| format!("questions  {}; {when}", of.join(", ")))
+}
+
+/// Triangles that no ray stops at, and what a tree with so many bytes a triangle is spared.
+fn never_met(unmet: &Unmet, tree_bytes: f64) -> Option<String> {
+    let Unmet { without_area, open, behind_twin, behind_turned_twin } = *unmet;
+    let spared = |count: u64| format!("spare the kd-tree about {:.1} kB", count as f64 * tree_bytes / 1e3);
+    let of = [
+        (without_area, format!("without area are left out and {}", spared(without_area))),
+        (open, format!("open all over {}", spared(open))),
+        (behind_twin, "are behind others with the same corners".into()),
+        (behind_turned_twin, "are behind others with the same corners in another order".into()),
+    ];
+    let of: Vec<_> = of.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    (!of.is_empty()).then(|| format!("never met  triangles: {}", of.join(", ")))
 }

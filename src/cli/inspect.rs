@@ -109,6 +109,10 @@ impl InspectCommand {
             object.insert("effects".into(), json!(prepared.effects()));
             object.insert("rewrites".into(), json!(prepared.rewrites));
             object.insert("attribute_bytes".into(), json!(prepared.attribute_bytes()));
+            if self.effects {
+                object.insert("asked".into(), json!(prepared.asked()));
+                object.insert("never_met".into(), json!(prepared.unmet()));
+            }
             if let Some(saved) = &saved {
                 object.insert("measured".into(), json!(saved));
             }

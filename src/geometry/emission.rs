@@ -17,6 +17,14 @@ pub(super) fn input(material: &Material) -> (&ColorInput, bool) {
     }
 }
 
+/// What all points of a material's triangles emit to their fronts, and to their backs; `None` where points differ.
+pub fn everywhere(material: &Material) -> Option<[Vec3; 2]> {
+    let (input, two_sided) = input(material);
+    let same = input.texture.is_none() && !matches!(material.surface, Surface::Unlit(_));
+    let radiance = Vec3::from(input.factor);
+    same.then_some([radiance, if two_sided { radiance } else { Vec3::ZERO }])
+}
+
 /// Radiance that a triangle emits at barycentric weights `b` to its front or back, without regard to coverage.
 pub fn emitted(scene: &Scene, geometry: &Geometry, triangle: u32, b: [f32; 3], front: bool) -> Vec3 {
     if geometry.is_dark(triangle) {

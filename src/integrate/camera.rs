@@ -58,6 +58,16 @@ impl RayCamera {
         })
     }
 
+    /// Of a perspective camera, its place and what takes points as seen from there to how far away they are along the axis, and to how far to the
+    /// right and above, in units of the picture's half sides and times that distance. As [`Self::projector`], in single precision.
+    /// `None` where that is not fine enough, or overflows.
+    pub(super) fn near_axes(&self) -> Option<(Vec3, [Vec3; 3])> {
+        let NearCamera { origin, .. } = self.near()?;
+        let to_axes = DMat3::from_cols(self.forward, self.right, self.up).try_inverse()?.as_mat3();
+        let axes = [to_axes.row(0), to_axes.row(1), to_axes.row(2)];
+        axes.iter().all(|axis| axis.length() < LONGEST).then_some((origin, axes))
+    }
+
     /// The cone of a ray that begins at `origin`, in a picture of `height` pixels.
     pub(super) fn cone(&self, origin: Vec3, height: u32) -> Cone {
         let pixel = SHARPNESS * (2.0 * self.up.length() / f64::from(height)) as f32;
@@ -74,6 +84,8 @@ impl RayCamera {
 /// Within this distance of the origin of the rays' frame, `f32` is fine enough for a camera, too: rays are off by a millionth of the
 /// scene, all that meet a surface alike.
 const NEAR: f64 = 16.0;
+/// Axes of cameras with narrower views overflow in single precision, or nearly so.
+const LONGEST: f32 = 1e15;
 /// From within this distance rays begin at the camera itself: packets of rays with one origin are traced a little faster.
 const AT_CAMERA: f64 = 4.0;
 

@@ -2,7 +2,10 @@
 
 use super::View;
 use super::camera::RayCamera;
+use crate::geometry::Geometry;
+use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words, Work};
 use crate::prepare::PreparedScene;
+use glam::Vec3;
 
 /// Side of the squares of pixels that are told apart.
 pub(super) const BLOCK: u32 = 4;
@@ -26,6 +29,11 @@ impl Occupied {
     pub fn new(prepared: &PreparedScene, view: &View, camera: &RayCamera) -> Option<Self> {
         let (across, down) = (view.width.div_ceil(BLOCK) as usize, view.height.div_ceil(BLOCK) as usize);
         let mut occupied = Self { across, blocks: vec![false; across * down] };
+        if let Some((origin, axes)) = camera.near_axes() {
+            let size = [view.width as f32, view.height as f32];
+            let marking = Marking { geometry: &prepared.geometry, origin, axes, size, occupied: &mut occupied };
+            return prepared.lanes.run(marking).then_some(occupied);
+        }
         let project = camera.projector()?;
         let scale = [f64::from(view.width), f64::from(view.height)];
         let cell = |x: f64, count: usize| (x / f64::from(BLOCK)).clamp(0.0, count as f64) as usize;
@@ -54,9 +62,90 @@ impl Occupied {
         Some(occupied)
     }
 
+    /// Marks the squares from one column and row to others, these included.
+    #[inline(always)]
+    fn mark(&mut self, [left, right]: [u32; 2], [top, bottom]: [u32; 2]) {
+        for y in top..=bottom {
+            let row = &mut self.blocks[y as usize * self.across..][..self.across];
+            row[left as usize] = true;
+            if left < right {
+                row[left as usize + 1..=right as usize].fill(true);
+            }
+        }
+    }
+
     /// Whether a ray through a pixel may meet anything.
     pub fn at(&self, [x, y]: [u32; 2]) -> bool {
         self.blocks[(y / BLOCK) as usize * self.across + (x / BLOCK) as usize]
+    }
+}
+
+/// Sixteen triangles at a time, before a camera for which single precision is fine enough.
+struct Marking<'a> {
+    geometry: &'a Geometry,
+    /// The camera, and what takes points to how far away they are, and how far to the right and above (times that).
+    origin: Vec3,
+    axes: [Vec3; 3],
+    /// Of the picture, pixels.
+    size: [f32; 2],
+    occupied: &'a mut Occupied,
+}
+
+impl Work for Marking<'_> {
+    /// Whether all triangles are before the camera.
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> bool {
+        let Self { geometry, origin, axes, size, occupied } = self;
+        let count = geometry.len();
+        let last = [occupied.across, occupied.blocks.len() / occupied.across].map(|n| n as f32 - 1.0);
+        let [depth_axis, right, up] = axes.map(|axis| l.splat_vector(axis.to_array()));
+        let origin_lanes = l.splat_vector(origin.to_array());
+        // By how many pixels a point at distance 1 may be rounded: eight roundings of what is as large as a coordinate seen from the camera.
+        let rounding =
+            |axis: Vec3| 8.0 * f32::EPSILON * (origin.length() + 2.0) * (axis.length() + 2.0 * axes[0].length());
+        let strays = size[0].max(size[1]) * rounding(axes[1]).max(rounding(axes[2]));
+        let mut corners = [[0.0f32; LANES]; 9];
+        for first in (0..count).step_by(LANES) {
+            for lane in 0..LANES {
+                // What is left over shows the last one again.
+                let triangle = (first + lane).min(count - 1) as u32;
+                let numbers = geometry.corners(triangle).into_iter().flat_map(|corner| corner.to_array());
+                for (row, x) in corners.iter_mut().zip(numbers) {
+                    row[lane] = x;
+                }
+            }
+            let (far, near) = (l.splat(f32::INFINITY), l.splat(f32::NEG_INFINITY));
+            let (mut low, mut high, mut nearest) = ([far; 2], [near; 2], far);
+            for k in 0..3 {
+                let [x, y, z] = [0, 1, 2].map(|axis| l.load(&corners[3 * k + axis]));
+                let from = V3::new(x, y, z) - origin_lanes;
+                let depth = from.dot(depth_axis);
+                nearest = nearest.min(depth);
+                let place = [from.dot(right) / depth + 1.0, l.splat(1.0) - from.dot(up) / depth];
+                for axis in 0..2 {
+                    let pixel = place[axis] * (0.5 * size[axis]);
+                    (low[axis], high[axis]) = (low[axis].min(pixel), high[axis].max(pixel));
+                }
+            }
+            if !nearest.ge(l.splat(NEAREST as f32)).all() {
+                return false;
+            }
+            let margin = l.splat(strays) / nearest + MARGIN as f32;
+            let zero = l.splat(0.0);
+            let cell = |x: L::F, axis: usize| (x / BLOCK as f32).max(zero).min(l.splat(last[axis])).truncate().array();
+            let seen = [0, 1].map(|axis| {
+                let (low, high) = (low[axis] - margin, high[axis] + margin);
+                let inside = high.ge(zero) & (low / BLOCK as f32).lt(l.splat(last[axis] + 1.0));
+                (inside.bits(), cell(low, axis), cell(high, axis))
+            });
+            let [(across, left, right), (down, top, bottom)] = seen;
+            for lane in (0..LANES).filter(|lane| (across & down) >> lane & 1 != 0) {
+                occupied.mark([left[lane], right[lane]], [top[lane], bottom[lane]]);
+            }
+        }
+        true
     }
 }
 

@@ -94,7 +94,11 @@ fn calling_for(effect: Effect) -> Scene {
         Effect::DiffuseTransmission => layered(Layers { diffuse_transmission: ONE, ..Layers::default() }),
         Effect::DiffuseRoughness => layered(Layers { diffuse_roughness: ONE, ..Layers::default() }),
         Effect::Unlit => Material { surface: Surface::Unlit(ColorInput::constant([0.3; 3])), ..surface(matte(0.5)) },
-        Effect::Emission => Material { emission: ColorInput::constant([3.0; 3]), ..surface(matte(0.5)) },
+        Effect::Emission => {
+            // One triangle is seen from behind, where it is dark.
+            mesh.triangles[1].reverse();
+            Material { emission: ColorInput::constant([3.0; 3]), ..surface(matte(0.5)) }
+        }
         Effect::Mirror => phong(Phong { mirror: ColorInput::WHITE, ..Phong::default() }),
         Effect::TintedShadows => phong(Phong { transmission: ColorInput::constant([0.5; 3]), ..Phong::default() }),
         Effect::PointLights | Effect::DirectionalLights | Effect::SoftShadows | Effect::Environment => {

@@ -39,6 +39,11 @@ impl Asks {
         Self { covers, culls, tints, textured, vertices: textured || asked.has_any(&of_vertices), every_cover }
     }
 
+    /// Whether it may be made use of that a triangle lets every ray through: not where every surface is reckoned to be like that.
+    pub fn knows_open(&self) -> bool {
+        self.covers && !self.every_cover
+    }
+
     /// What a traversal has to ask about a material's triangles.
     pub fn of(&self, material: &Material) -> Filters {
         let bounds_solid = match &material.surface {

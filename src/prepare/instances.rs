@@ -47,7 +47,7 @@ impl Triangles for Shape {
     }
 }
 
-/// The triangles that no placement shares with another.
+/// Some triangles alone: those that no placement shares with another, or that a ray may stop at.
 struct Own<'a> {
     geometry: &'a Geometry,
     numbers: Vec<u32>,
@@ -67,13 +67,20 @@ impl Triangles for Own<'_> {
     }
 }
 
-/// The kd-tree of a scene.
+/// The kd-tree of a scene; where no triangle is shared, of those that are `met`, or of all.
 ///
 /// # Errors
 /// [`Stopped`] when `control` asks for it.
-pub fn build(geometry: &Geometry, options: &BuildOptions, control: &Control) -> Result<KdTree, Stopped> {
-    if geometry.shapes().is_empty() {
-        return KdTree::build(geometry, options, control);
+pub fn build(
+    geometry: &Geometry,
+    met: Option<Vec<u32>>,
+    options: &BuildOptions,
+    control: &Control,
+) -> Result<KdTree, Stopped> {
+    match met {
+        _ if !geometry.shapes().is_empty() => {}
+        Some(numbers) => return KdTree::build(&Own { geometry, numbers }, options, control),
+        None => return KdTree::build(geometry, options, control),
     }
     let placed: Vec<Placed> = geometry
         .shared_parts()

@@ -8,6 +8,7 @@ mod parts;
 mod physical;
 mod questions;
 mod rare_light;
+mod unmet;
 
 pub(crate) use crate::effects::Knowledge;
 use crate::effects::{self, Rewrite};
@@ -23,9 +24,11 @@ use glam::DVec3;
 use kdtree::{BuildOptions, KdTree};
 use kiln_formats::{Control, Scene, Stopped};
 pub(crate) use parts::{PartWay, Way, bounds_body};
+pub use questions::Asked;
 pub(crate) use questions::Questions;
 pub use rare_light::RareLight;
 use std::time::Instant;
+pub use unmet::Unmet;
 
 /// Seconds that parts of the preparation took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -94,6 +97,11 @@ impl PreparedScene {
         let environment = Environment::new(environment, self.scene.up);
         self.lights = Lights::new(&self.scene, &self.geometry, &self.frame, environment, settings);
         self.emitters = self.lights.count() as u64;
+    }
+
+    /// Of how many triangles rays ask whether they are stopped.
+    pub fn asked(&self) -> Asked {
+        self.questions.asked()
     }
 
     /// Figures of the kd-tree.
@@ -166,13 +174,14 @@ pub(crate) fn prepare_knowing(
         simd: tier(settings.simd),
         planned_rays: settings.planned_rays,
     };
-    let tree = instances::build(&geometry, &options, control)?;
+    let asks = Asks::new(&scene, &geometry, know);
+    let met = unmet::met(&scene, &geometry, &asks);
+    let tree = instances::build(&geometry, met, &options, control)?;
     let times = PrepareTimes {
         kdtree: start.elapsed().as_secs_f64(),
         kdtree_cpu: tree.statistics().build_cpu_seconds,
         kdtree_caller_cpu: clock.elapsed().as_secs_f64(),
     };
-    let asks = Asks::new(&scene, &geometry, know);
     let filters: Vec<_> = scene.materials.iter().map(|material| asks.of(material)).collect();
     let ways = parts::ways(&scene, &geometry, know, &filters);
     Ok(PreparedScene {

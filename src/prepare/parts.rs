@@ -2,7 +2,7 @@
 
 use super::Filters;
 use crate::effects::{Knowledge, of_mesh};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, emission};
 use crate::settings::{Effect, EffectSet};
 use glam::Vec3;
 use kiln_formats::Scene;
@@ -30,6 +30,8 @@ pub(crate) struct PartWay {
     pub filters: Filters,
     /// Whether its surface may emit.
     pub emits: bool,
+    /// What its fronts emit, and its backs, where that is the same everywhere.
+    pub glow: Option<[Vec3; 2]>,
     /// Whether its normals are interpolated between corners.
     pub smooth: bool,
     /// Whether its look needs coordinates or colours of a point.
@@ -53,6 +55,7 @@ pub(crate) fn ways(scene: &Scene, geometry: &Geometry, know: Knowledge, filters:
             way,
             filters: filters[mesh.material as usize],
             emits: asked.has_any(&[Effect::Emission, Effect::Unlit]),
+            glow: if know.forced.has(Effect::Textures) { None } else { emission::everywhere(material) },
             smooth: asked.has(Effect::SmoothNormals),
             textured: asked.has_any(&[Effect::Textures, Effect::NormalMaps, Effect::VertexColors]),
             mapped: asked.has(Effect::NormalMaps),

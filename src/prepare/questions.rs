@@ -3,9 +3,23 @@
 
 use super::{Filters, PartWay};
 use crate::geometry::Geometry;
+use serde::Serialize;
 
 /// Scenes with more triangles have no bits: 2 MiB for each question.
 const MOST: usize = 1 << 24;
+
+/// Of how many triangles something has to be asked at hits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Asked {
+    /// All triangles.
+    pub triangles: u64,
+    /// Those that may let any ray pass by their coverage.
+    pub coverage: u64,
+    /// Those that let camera rays pass from behind.
+    pub culling: u64,
+    /// Whether rays ask on their way; otherwise only where the nearest surface of all lets a ray pass.
+    pub on_the_way: bool,
+}
 
 /// Triangles that may let a ray pass.
 #[derive(Debug, Default)]
@@ -16,6 +30,9 @@ pub(crate) struct Questions {
     culling: Vec<u64>,
     /// Everything has to be asked.
     every: bool,
+    /// Of how many triangles coverage is asked, and culling.
+    asked: [u64; 2],
+    triangles: u64,
 }
 
 impl Questions {
@@ -24,20 +41,31 @@ impl Questions {
         let any = |of: fn(&Filters) -> bool| ways.iter().any(|way| of(&way.filters));
         let (covers, culls) = (any(|filters| filters.coverage), any(|filters| filters.culled));
         if geometry.len() > MOST {
-            return Self { every: covers || culls, ..Self::default() };
+            let triangles = geometry.len() as u64;
+            let asked = [covers, culls].map(|asked| if asked { triangles } else { 0 });
+            return Self { every: covers || culls, asked, triangles, ..Self::default() };
         }
         let filters = |triangle: u32| ways[geometry.part_index(triangle) as usize].filters;
         let bits = |asked: bool, of: &dyn Fn(u32) -> bool| match asked {
             true => marked(geometry.len() as u32, of),
             false => Vec::new(),
         };
-        Self {
-            coverage: bits(covers, &|triangle| {
-                filters(triangle).coverage && geometry.known_coverage(triangle) != Some(true)
-            }),
-            culling: bits(culls, &|triangle| filters(triangle).culled),
-            every: false,
-        }
+        let coverage =
+            bits(covers, &|triangle| filters(triangle).coverage && geometry.known_coverage(triangle) != Some(true));
+        let culling = bits(culls, &|triangle| filters(triangle).culled);
+        let asked = [&coverage, &culling].map(|bits| bits.iter().map(|word| u64::from(word.count_ones())).sum());
+        Self { coverage, culling, every: false, asked, triangles: geometry.len() as u64 }
+    }
+
+    /// Whether any ray has to ask most triangles: then it is best to ask on the way. Otherwise most rays meet one first that stops them.
+    pub fn mostly(&self) -> bool {
+        self.every || 2 * self.asked[0] > self.triangles
+    }
+
+    /// Numbers for people.
+    pub fn asked(&self) -> Asked {
+        let [coverage, culling] = self.asked;
+        Asked { triangles: self.triangles, coverage, culling, on_the_way: self.mostly() && coverage + culling > 0 }
     }
 
     /// Whether a triangle may let a ray pass, one from the camera where `eye`.

@@ -12,6 +12,7 @@ mod kernels;
 mod lanes;
 mod lights;
 mod look;
+mod passed;
 mod reuse;
 mod rows;
 mod shade;
@@ -118,6 +119,8 @@ pub(super) struct Memory {
     endless: Vec<f32>,
     slots: Vec<Slot>,
     lights: Box<LightRoom>,
+    /// Where some surfaces let rays pass.
+    passed: Option<Box<passed::Passed>>,
     /// Where pixels use each other's paths.
     reuse: Option<Box<reuse::Shared>>,
 }
@@ -132,6 +135,7 @@ impl Memory {
             endless: vec![f32::INFINITY; PATHS],
             slots: Vec::with_capacity(PATHS),
             lights: Box::default(),
+            passed: None,
             reuse: shares.then(Box::default),
         }
     }

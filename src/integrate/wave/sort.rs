@@ -99,7 +99,10 @@ impl Wave<'_> {
             // What only the path can find is seen blurred, and bright beside the bright.
             let competes = self.memory.paths.float(path::PDF, i) > 0.0;
             if part.emits && !(competes && prepared.geometry.is_dark(triangle)) {
-                self.add_emission(depth, i);
+                match part.glow {
+                    Some(glow) if !competes => self.add_glow(i, glow),
+                    _ => self.add_emission(depth, i),
+                }
             }
             if depth == course.settings.max_depth {
                 continue;
@@ -143,6 +146,16 @@ impl Wave<'_> {
         let hits = &self.memory.hits;
         let [t, b1, b2] = [hit::T, hit::B1, hit::B2].map(|row| hits.float(row, i));
         Hit { t, triangle: hits.word(hit::TRIANGLE, i), b1, b2 }
+    }
+
+    /// Light that a surface emits from its front or back, where it is the same everywhere and nothing but the path finds it.
+    fn add_glow(&mut self, i: usize, [front, back]: [Vec3; 2]) {
+        let normal = self.course.prepared.geometry.unit_normal(self.memory.hits.word(hit::TRIANGLE, i));
+        let emitted = if self.memory.paths.vector(path::DIR, i).dot(normal) < 0.0 { front } else { back };
+        if emitted != Vec3::ZERO {
+            let throughput = self.memory.paths.vector(path::THROUGHPUT, i);
+            self.slot(i).radiance += throughput * emitted;
+        }
     }
 
     /// Light that a surface emits.

@@ -1,5 +1,6 @@
 //! The rays of a wavefront.
 
+use super::passed::Passed;
 use super::{Memory, Wave, hit, path, shadow};
 use crate::integrate::trace::{Asker, covers};
 use crate::prepare::kdtree::{Coherence, HitBatch, NO_TRIANGLE, RayBatch};
@@ -8,7 +9,7 @@ impl Wave<'_> {
     /// The closest hits of all paths.
     pub(super) fn trace_paths(&mut self, depth: u32) {
         let prepared = self.course.prepared;
-        let Memory { paths, hits, slots, endless, .. } = &mut *self.memory;
+        let Memory { paths, hits, slots, endless, passed, .. } = &mut *self.memory;
         hits.len = paths.len;
         let ([t, b1, b2], [triangle]) = hits.all_mut();
         let mut found = HitBatch { t, b1, b2, triangle };
@@ -22,7 +23,8 @@ impl Wave<'_> {
         let (coherence, eye) = if depth == 0 { (Coherence::Coherent, true) } else { (Coherence::Scattered, false) };
         if prepared.asks.covers || (eye && prepared.asks.culls) {
             let slot = paths.words(path::SLOT);
-            prepared.tree.closest_batch_where(&rays, coherence, &mut found, |i, hit| {
+            let passed = passed.get_or_insert_with(|| Box::new(Passed::new(prepared.questions.mostly())));
+            passed.closest(&prepared.tree, &rays, coherence, &mut found, |i, hit| {
                 if !prepared.questions.asks(hit.triangle, eye) {
                     return true;
                 }
