@@ -109,9 +109,9 @@ pub fn lines(prepared: &PreparedScene) -> Vec<String> {
 /// Which part of the triangles lets rays pass, and when that is asked.
 fn regions(asked: &Asked) -> Option<String> {
     let share = |count: u64| format!("{count} of {} triangles", asked.triangles);
-    let of = [(asked.coverage, "any ray by coverage"), (asked.culling, "camera rays from behind")];
+    let of = [(asked.coverage, "rays pass by coverage"), (asked.culling, "camera rays pass from behind")];
     let of: Vec<_> =
-        of.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} may let {what} pass", share(*n))).collect();
+        of.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} may let {what}", share(*n))).collect();
     let when = match asked.on_the_way {
         true => "asked at every hit on the way",
         false => "asked at nearest hits alone, elsewhere where many pass",
