@@ -100,7 +100,8 @@ impl Work for Marking<'_> {
         let Self { geometry, origin, axes, size, occupied } = self;
         let count = geometry.len();
         let last = [occupied.across, occupied.blocks.len() / occupied.across].map(|n| n as f32 - 1.0);
-        let [depth_axis, right, up] = axes.map(|axis| l.splat_vector(axis.to_array()));
+        let depth_axis = l.splat_vector(axes[0].to_array());
+        let (right, up) = (l.splat_vector(axes[1].to_array()), l.splat_vector(axes[2].to_array()));
         let origin_lanes = l.splat_vector(origin.to_array());
         // By how many pixels a point at distance 1 may be rounded: eight roundings of what is as large as a coordinate seen from the camera.
         let rounding =
@@ -119,8 +120,8 @@ impl Work for Marking<'_> {
             let (far, near) = (l.splat(f32::INFINITY), l.splat(f32::NEG_INFINITY));
             let (mut low, mut high, mut nearest) = ([far; 2], [near; 2], far);
             for k in 0..3 {
-                let [x, y, z] = [0, 1, 2].map(|axis| l.load(&corners[3 * k + axis]));
-                let from = V3::new(x, y, z) - origin_lanes;
+                let corner = V3::new(l.load(&corners[3 * k]), l.load(&corners[3 * k + 1]), l.load(&corners[3 * k + 2]));
+                let from = corner - origin_lanes;
                 let depth = from.dot(depth_axis);
                 nearest = nearest.min(depth);
                 let place = [from.dot(right) / depth + 1.0, l.splat(1.0) - from.dot(up) / depth];
@@ -133,20 +134,25 @@ impl Work for Marking<'_> {
                 return false;
             }
             let margin = l.splat(strays) / nearest + MARGIN as f32;
-            let zero = l.splat(0.0);
-            let cell = |x: L::F, axis: usize| (x / BLOCK as f32).max(zero).min(l.splat(last[axis])).truncate().array();
-            let seen = [0, 1].map(|axis| {
-                let (low, high) = (low[axis] - margin, high[axis] + margin);
-                let inside = high.ge(zero) & (low / BLOCK as f32).lt(l.splat(last[axis] + 1.0));
-                (inside.bits(), cell(low, axis), cell(high, axis))
-            });
-            let [(across, left, right), (down, top, bottom)] = seen;
+            let (across, left, right) = cells(l, low[0] - margin, high[0] + margin, last[0]);
+            let (down, top, bottom) = cells(l, low[1] - margin, high[1] + margin, last[1]);
             for lane in (0..LANES).filter(|lane| (across & down) >> lane & 1 != 0) {
                 occupied.mark([left[lane], right[lane]], [top[lane], bottom[lane]]);
             }
         }
         true
     }
+}
+
+/// From which block to which of a row, whose last one is given, sixteen stretches of pixels reach; as bits, those that reach any. (Written
+/// out: closures are not inlined where the instructions are.)
+#[inline(always)]
+fn cells<L: Lanes>(l: L, low: L::F, high: L::F, last: f32) -> (u32, [u32; LANES], [u32; LANES]) {
+    let (zero, end) = (l.splat(0.0), l.splat(last));
+    let (low_block, high_block) = (low / BLOCK as f32, high / BLOCK as f32);
+    let inside = high.ge(zero) & low_block.lt(l.splat(last + 1.0));
+    let (from, to) = (low_block.max(zero).min(end).truncate(), high_block.max(zero).min(end).truncate());
+    (inside.bits(), from.array(), to.array())
 }
 
 #[cfg(test)]
