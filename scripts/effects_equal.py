@@ -53,7 +53,7 @@ def measure(kiln, folders, names):
             continue
         facts = json.loads(out)
         m, held = facts["measured"], facts["attribute_bytes"]
-        triangles = max(1, facts["kdtree"]["triangles"])
+        triangles = max(1, facts["asked"]["triangles"])
         effects = [e["effect"] for e in facts["effects"]]
         rows.append((m["full_cpu_seconds"] / m["pruned_cpu_seconds"], name, m, [held[k] / triangles for k in ("held", "full")], effects))
         print(f"{len(rows)}: {name} {rows[-1][0]:.2f}", file=sys.stderr, flush=True)

@@ -51,6 +51,7 @@ impl Passed {
         found: &mut HitBatch,
         mut stops: impl FnMut(usize, &Hit) -> bool,
     ) {
+        debug_assert!(rays.reaches.is_empty(), "rays that are traced again would not know what they reach");
         let kind = usize::from(coherence == Coherence::Scattered);
         let patience = &mut self.patience[kind];
         if self.always || *patience > 0 {

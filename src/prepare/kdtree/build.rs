@@ -87,8 +87,7 @@ impl<T: Triangles> Context<'_, T> {
         }
         let mut right_refs = Vec::new();
         let sides = self.cpu.measure(|| {
-            let plane = self.choose(&refs, &cell)?;
-            let sides = self.deal(&mut refs, 0, &mut right_refs, plane, &cell)?;
+            let sides = self.divide(&mut refs, 0, &mut right_refs, &cell)?;
             refs.shrink_to_fit();
             Some(sides)
         });
@@ -117,9 +116,7 @@ impl<T: Triangles> Context<'_, T> {
             self.control.check()?;
         }
         let mut right_refs = Vec::new();
-        let sides =
-            self.choose(&arena[base..], &cell).and_then(|plane| self.deal(arena, base, &mut right_refs, plane, &cell));
-        let Some(sides) = sides else {
+        let Some(sides) = self.divide(arena, base, &mut right_refs, &cell) else {
             leaf(&arena[base..], out);
             arena.truncate(base);
             return Ok(());
@@ -128,6 +125,18 @@ impl<T: Triangles> Context<'_, T> {
         self.descend(arena, base, sides.left, out)?;
         out.begin_right(at);
         self.descend(&mut right_refs, 0, sides.right, out)
+    }
+
+    /// Divides the references `refs[base..]` of a cell by the plane that is chosen. Who chooses reckons with what a reference stands for in the mean: where
+    /// that plane cuts too many pairs for what duplicates may still take, one is chosen that half of that is enough for, as a reference
+    /// stands for two triangles at most.
+    fn divide(&self, refs: &mut Vec<Reference>, base: usize, right: &mut Vec<Reference>, cell: &Cell) -> Option<Sides> {
+        let plane = self.choose(&refs[base..], cell)?;
+        self.deal(refs, base, right, plane, cell).or_else(|| {
+            let careful = Cell { budget: cell.budget / 2, ..*cell };
+            let plane = self.choose(&refs[base..], &careful)?;
+            self.deal(refs, base, right, plane, cell)
+        })
     }
 
     fn deal(

@@ -1,7 +1,8 @@
 //! How sixteen planes of a cell divide its references: counts, and how far the sides reach.
 //!
 //! The lanes are planes, and each reference is held against all of them: no bins that wait for what was written to them a
-//! moment ago, no branches. Counts are of whole references by [`super::split::sides`], so nothing is estimated.
+//! moment ago, no branches. References are counted, by [`super::split::sides`]; triangles and what duplicates take are reckoned from that by what
+//! a reference of the cell stands for in the mean (pairs stand for two).
 
 use super::bounds::Reference;
 use super::split::{COST_BLOCK, COST_VISIT, Candidate, Cell, Plane, full_blocks, sides};

@@ -271,6 +271,9 @@ mod tests {
                     ready.iter().map(|ready| ready.ray).chain(missed.iter().copied()).collect();
                 numbers.sort_unstable();
                 assert_eq!(numbers, (0..count).collect::<Vec<_>>(), "each once");
+                // Where less than an eighth of the sample misses, nobody looks any more.
+                let last = missed.iter().copied().max().unwrap_or(0);
+                assert!(!aimed || last < SAMPLE, "{last} was looked at");
                 assert!(missed.iter().all(|ray| !enters_one(&node, &rays[*ray])), "none is left out that enters");
                 let miss = rays.iter().filter(|ray| slab::is_plain(ray) && !enters_one(&node, ray)).count();
                 assert!(
