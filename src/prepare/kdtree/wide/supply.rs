@@ -249,7 +249,9 @@ mod tests {
             let rays: Vec<Ray> = (0..count)
                 .map(|i| {
                     let mut ray = random.ray(i);
-                    if aimed {
+                    if aimed && i % 20 == 0 {
+                        (ray.origin, ray.dir) = (Vec3::splat(10.0), Vec3::new(1.0, 2.0, 3.0));
+                    } else if aimed {
                         let middle =
                             [0, 1, 2].map(|axis| 0.5 * (node.planes[axis][i % 13] + node.planes[axis + 3][i % 13]));
                         ray.dir = Vec3::from(middle) - ray.origin;
