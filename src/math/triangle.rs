@@ -28,7 +28,7 @@ pub struct ShearedRay {
     pub inv_dir_z: f64,
 }
 
-/// The axes that play x, y and z, by the one that plays z.
+/// The axes that play x, y and z, by the one that plays z. (The last row is nobody's: with four, two bits of a ray's word need no check.)
 const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 impl ShearedRay {

@@ -92,8 +92,8 @@ impl Polygon {
         }
     }
 
-    #[inline(always)]
     /// Keeps the half where `sign · (x − plane) ≥ 0`.
+    #[inline(always)]
     fn keep(&mut self, axis: usize, plane: f64, sign: f64) {
         let inside = |corner: &[f64; 4]| sign * (corner[axis] - plane) >= 0.0;
         if self.corners[..self.len].iter().all(inside) {
