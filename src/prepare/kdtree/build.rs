@@ -177,3 +177,55 @@ fn leaf(refs: &[Reference], out: &mut Built) {
         out.triangles.extend(of_weight(2).chain(of_weight(1)));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::split::mix;
+    use super::*;
+    use glam::Vec3;
+
+    /// Specks in a long box, and at its upper side strips of two triangles along all of it.
+    struct Strips;
+
+    const STRIPS: usize = 40;
+
+    impl Triangles for Strips {
+        fn len(&self) -> usize {
+            2 * STRIPS + 3600
+        }
+
+        fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+            let number = |k: u64| (mix(u64::from(triangle) * 8 + k) >> 40) as f32 / 16_777_216.0;
+            if triangle as usize >= 2 * STRIPS {
+                let at = Vec3::new(100.0 * number(0), 0.8 * number(1), number(2));
+                return [at, at + Vec3::X * 1e-3, at + Vec3::Y * 1e-3];
+            }
+            let z = (triangle / 2) as f32 / STRIPS as f32;
+            let at = |x: f32, y: f32| Vec3::new(x, 0.9 + y, z);
+            match triangle % 2 {
+                0 => [at(0.0, 0.0), at(100.0, 0.0), at(100.0, 0.1)],
+                _ => [at(0.0, 0.0), at(100.0, 0.1), at(0.0, 0.1)],
+            }
+        }
+    }
+
+    /// The best plane cuts forty references, for which sixty duplicates seem to be enough; but they are pairs.
+    #[test]
+    fn a_cell_whose_plane_cuts_too_many_pairs_is_divided_by_another() {
+        let mut refs = vec![Bounds::EMPTY; Strips.len()];
+        let len = references::make(&Strips, 0, true, &mut refs);
+        refs.truncate(len);
+        assert_eq!(len, STRIPS + 3600);
+        let options = BuildOptions { builder: KdTreeBuilder::Sah, ..BuildOptions::default() };
+        let (control, cpu) = (Control::default(), CpuMeter::default());
+        let lanes = AnyLanes::new(options.simd);
+        let context = Context { triangles: &Strips, options: &options, control: &control, cpu: &cpu, lanes };
+        let bounds = Bounds::around(&refs);
+        let cell = Cell { bounds, triangles: Strips.len(), depth: 0, budget: 60, path: 1 };
+        let plane = context.choose(&refs, &cell).expect("one that seems to pay");
+        let mut right = Vec::new();
+        assert!(context.deal(&mut refs, 0, &mut right, plane, &cell).is_none(), "it cuts too many pairs");
+        let sides = context.divide(&mut refs, 0, &mut right, &cell).expect("another plane");
+        assert!(sides.left.triangles + sides.right.triangles - Strips.len() <= cell.budget && sides.plane != plane);
+    }
+}
