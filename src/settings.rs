@@ -89,7 +89,7 @@ pub enum KdTreeBuilder {
 pub enum Adaptive {
     /// All get the same.
     Off,
-    /// From the sixteenth sample on, those with more noise around them.
+    /// From the eighth sample on, those with more noise around them.
     #[default]
     Variance,
 }

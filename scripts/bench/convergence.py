@@ -6,7 +6,7 @@
 
 Scenes, references and the peers' scripts lie in the folder that KILN_SHARED names. Needs numpy and OpenEXR (pip).
 relMSE is the mean over pixels and channels of (x − ref)² / (ref² + 0.01), less the reference's own noise. Where material
-models differ from renderer to renderer, the reference is Kiln's own, rendered on demand and kept in ~/.cache/kiln-bench.
+models differ from renderer to renderer, each has its own: Kiln's is rendered on demand and kept in ~/.cache/kiln-bench.
 CPU seconds are those of light transport alone; what a whole process takes from start to PNG is a table of its own.
 """
 
@@ -49,8 +49,10 @@ def shown(result):
 
 def measure(scene, contenders, args):
     """Renders the scene at each spp by each contender in turn; gives contender → [(CPU seconds, error)]."""
-    ref: Reference = reference(scene, contenders[0], args.reference_spp)
-    print(f"\n## {scene.name}\n\nReference: {ref.source}, its noise {ref.noise:.1e}.\n")
+    peers = {c.name: None if isinstance(c, Kiln) else c.name for c in contenders}
+    refs: dict[str, Reference] = {c: reference(scene, contenders[0], args.reference_spp, peer) for c, peer in peers.items()}
+    named = dict.fromkeys(f"{ref.source}, its noise {ref.noise:.1e}" for ref in refs.values())
+    print(f"\n## {scene.name}\n\nReference: {'; '.join(named)}.\n")
     print("| renderer | spp | CPU s | wall s | M paths a CPU-s | relMSE | without the worst 0.1 % |\n|---|---|---|---|---|---|---|")
     points = {c.name: [] for c in contenders}
     for spp in args.spp:
@@ -62,7 +64,7 @@ def measure(scene, contenders, args):
             if before and before[-1][0] * 4 > args.limit:
                 continue
             for shot in contender.shoot(scene, spp, seeds):
-                rows[contender.name].append((shot, *ref.errors(shot.pixels)))
+                rows[contender.name].append((shot, *refs[contender.name].errors(shot.pixels)))
         for name, found in rows.items():
             if not found:
                 continue

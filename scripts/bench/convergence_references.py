@@ -59,9 +59,11 @@ def own(scene, kiln, spp):
     return Reference(mean, noise, f"our own, {slice_spp * count} spp")
 
 
-def reference(scene, kiln, spp):
-    """The reference of a scene; `kiln` renders it where it has to be our own."""
+def reference(scene, kiln, spp, peer=None):
+    """The reference of a scene for `peer`, or for Kiln; `kiln` renders it where it has to be our own."""
     folder = kiln.shared / "references"
+    if scene.name in OWN and peer:
+        return Reference(*stored(folder, f"{scene.name}.{peer}"), f"{peer}'s own for {peer}")
     if scene.name in OWN:
         return own(scene, kiln, spp)
     if (folder / f"{scene.name}.ref.exr").exists():

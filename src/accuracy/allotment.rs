@@ -1,5 +1,5 @@
 use super::jackknife::LeaveOneOut;
-use super::{Display, displayed, relmse, schedule::FIRST_LOOK};
+use super::{Display, displayed, relmse};
 use crate::film::{Film, PixelSums};
 use crate::integrate::Aim;
 use crate::sampling::{hash_combine, unit_float};
@@ -7,6 +7,8 @@ use crate::settings::Adaptive;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
+/// Samples that every pixel gets before it is looked at who needs more.
+const BEGIN: u32 = 8;
 /// Pixels to each side whose noise says how many samples a pixel gets.
 const RADIUS: usize = 3;
 /// The fewest samples of a pixel at the end of an octave, as a share of its average: what has shown no noise so far may only have
@@ -25,13 +27,14 @@ const STEPS: u32 = 24;
 
 /// Who gets how many samples: adaptive sampling.
 ///
-/// Until [`FIRST_LOOK`] all pixels have the same. Then samples are shared out so that the error of the picture,
+/// Until [`BEGIN`] all pixels have the same. Then samples are shared out so that the error of the picture,
 /// Σ σ²/n, becomes least for what they cost, Σ c n: n ∝ σ/√c (Neyman 1934), in powers of two, at which the points of a pixel are
 /// spread best. σ² is that of the displayed picture and that of relMSE, each as a share of the whole picture's. It is looked at
 /// whenever the average has doubled: mean deviations over the 7 × 7 pixels around a pixel **without itself**. How often a pixel is sampled then does not depend on what its own samples have brought, and its mean stays unbiased:
-/// deciding by its own would end early where bright paths have been missed. c are the rays that a sample takes there.
+/// deciding by its own would end early where bright paths have been missed. c is what a sample costs there, by its rays.
 ///
-/// The pixels which the asset covers together cost what so many samples in each would; the others, which no error counts, get the fewest.
+/// The pixels which the asset covers, and those beside them, together cost what so many samples in each would; the others, which no error
+/// counts, get the fewest.
 /// A film at `spp` is the same however it got there.
 #[derive(Clone, Debug)]
 pub struct Allotment {
@@ -51,7 +54,7 @@ impl Allotment {
     pub fn reach(&self, spp: u32) -> u32 {
         match (self.adaptive, spp) {
             (Adaptive::Off, _) => u32::MAX,
-            (Adaptive::Variance, 0..FIRST_LOOK) => FIRST_LOOK,
+            (Adaptive::Variance, 0..BEGIN) => BEGIN,
             (Adaptive::Variance, _) => octave_of(spp).saturating_mul(2),
         }
     }
@@ -59,7 +62,7 @@ impl Allotment {
     /// Samples of each pixel of a film that is to have `spp` on average; no more than [`Self::reach`].
     pub fn aim(&mut self, film: &Film, spp: u32) -> Aim<'_> {
         debug_assert!(spp <= self.reach(film.spp));
-        if self.adaptive == Adaptive::Off || spp <= FIRST_LOOK {
+        if self.adaptive == Adaptive::Off || spp <= BEGIN {
             return Aim::All(spp);
         }
         let begin = octave_of(film.spp);
@@ -73,9 +76,9 @@ impl Allotment {
     }
 }
 
-/// The number of samples at which the octave began that a film with `spp` ≥ [`FIRST_LOOK`] is in.
+/// The number of samples at which the octave began that a film with `spp` ≥ [`BEGIN`] is in.
 fn octave_of(spp: u32) -> u32 {
-    FIRST_LOOK << (spp / FIRST_LOOK).ilog2()
+    BEGIN << (spp / BEGIN).ilog2()
 }
 
 /// What is known at the beginning of an octave.
@@ -91,7 +94,7 @@ struct Need {
     covered: bool,
     /// Samples, but for a factor that all pixels share.
     samples: f64,
-    /// Rays of a sample.
+    /// Of a sample, in camera rays.
     cost: f64,
 }
 
@@ -103,13 +106,16 @@ impl Octave {
             all += *said;
             all
         });
-        let costs = film.rays_per_sample();
+        let costs = film.cost_of_sample();
         let need = |pixel: usize| {
-            let cost = costs(pixel);
+            // A thin edge that a pixel's own samples have missed so far is known by its neighbours: by itself it would be missed for good.
+            let coverage = coverage_beside(film, pixel);
+            let covered = said[pixel].covered > 0.0 || coverage > 0.0;
+            let cost = costs(pixel, coverage);
             // Pixels that need the same do not all double their samples at once.
             let order = 1.0 + ORDER * f64::from(unit_float(hash_combine(SALT, pixel as u32)));
             let samples = noise[pixel].relative_to(&whole) / cost.sqrt() * order;
-            Need { covered: said[pixel].covered > 0.0, samples: rounded(samples), cost }
+            Need { covered, samples: rounded(samples), cost }
         };
         Self { begin: octave_of(film.spp), pixels: (0..said.len()).map(need).collect() }
     }
@@ -195,6 +201,18 @@ impl std::ops::AddAssign for Said {
     }
 }
 
+/// Mean coverage of the eight pixels beside a pixel.
+fn coverage_beside(film: &Film, pixel: usize) -> f64 {
+    let (width, height) = (film.width as usize, film.height as usize);
+    let (x, y) = (pixel % width, pixel / width);
+    let near = |at: usize, size: usize| at.saturating_sub(1)..(at + 2).min(size);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for other in near(y, height).flat_map(|v| near(x, width).map(move |u| v * width + u)).filter(|o| *o != pixel) {
+        (sum, count) = (sum + film.pixels[other].mean()[3], count + 1.0);
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
 /// The sums over the pixels around each pixel without itself.
 fn around(said: &[Said], width: usize) -> Vec<Said> {
     let height = said.len() / width.max(1);
@@ -256,7 +274,7 @@ mod tests {
 
     #[test]
     fn samples_go_where_the_noise_is_and_the_average_stays() {
-        let film = fill(&mut Allotment::new(Adaptive::Variance, display()), 1, &[16, 32, 64, 128], halves);
+        let film = fill(&mut Allotment::new(Adaptive::Variance, display()), 1, &[8, 16, 32, 64, 128], halves);
         let samples = |x: u32, y: u32| film.pixels[(y * SIDE + x) as usize].samples();
         let (noisy, quiet, empty) = (samples(6, 20), samples(26, 20), samples(6, 2));
         assert!(noisy >= 128 && (quiet, empty) == (64, 64), "{noisy} {quiet} {empty}");
@@ -283,24 +301,44 @@ mod tests {
     #[test]
     fn pixels_alone_and_pictures_of_nothing_are_no_trouble() {
         let mut allotment = Allotment::new(Adaptive::Variance, display());
-        let film = fill(&mut allotment, 1, &[16, 32, 64], |p, u| if p == 40 { [u, u, u, 1.0] } else { [0.0; 4] });
-        assert!(film.pixels[40].samples() == 64 && film.pixels[0].samples() == 32);
+        let film = fill(&mut allotment, 1, &[8, 16, 32, 64], |p, u| if p == 40 { [u, u, u, 1.0] } else { [0.0; 4] });
+        let samples = [40, 39, 0].map(|pixel: usize| film.pixels[pixel].samples());
+        assert!(samples[0] >= 32 && samples[1] >= samples[0] && samples[2] == 32, "{samples:?}");
         let mut allotment = Allotment::new(Adaptive::Variance, display());
-        let film = fill(&mut allotment, 1, &[16, 32], |_, _| [0.0; 4]);
+        let film = fill(&mut allotment, 1, &[8, 16, 32], |_, _| [0.0; 4]);
         assert!(film.pixels.iter().all(|p| p.samples() == 16));
     }
 
     #[test]
     fn a_film_does_not_depend_on_its_passes() {
         let filled = |passes: &[u32]| fill(&mut Allotment::new(Adaptive::Variance, display()), 1, passes, halves);
-        let whole = filled(&[16, 32, 56]);
+        let whole = filled(&[8, 16, 32, 56]);
         assert!(whole == filled(&[1, 2, 4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 56]));
+    }
+
+    #[test]
+    fn thin_edges_keep_their_coverage() {
+        // A column of which each sample meets a twentieth, beside a surface: most of its pixels have met nothing in the first eight samples.
+        let edge = |pixel: u32, u: f32| match (pixel % SIDE).cmp(&(SIDE / 2)) {
+            std::cmp::Ordering::Less => [0.2 + 0.1 * u, 0.2, 0.2, 1.0],
+            std::cmp::Ordering::Equal if u < 0.05 => [0.2, 0.2, 0.2, 1.0],
+            _ => [0.0; 4],
+        };
+        let mut alphas = Vec::new();
+        for seed in 0..40 {
+            let film = fill(&mut Allotment::new(Adaptive::Variance, display()), seed, &[8, 16, 32], edge);
+            alphas.extend(film.pixels.iter().skip(SIDE as usize / 2).step_by(SIDE as usize).map(|p| p.mean()[3]));
+        }
+        let n = alphas.len() as f64;
+        let mean = alphas.iter().sum::<f64>() / n;
+        let deviation = (alphas.iter().map(|a| (a - mean) * (a - mean)).sum::<f64>() / n / n).sqrt();
+        assert!((mean - 0.05).abs() < 3.5 * deviation && deviation < 2e-3, "{mean} ± {deviation}");
     }
 
     #[test]
     fn what_shows_no_noise_is_sampled_evenly() {
         let film =
-            fill(&mut Allotment::new(Adaptive::Variance, display()), 1, &[16, 32, 64], |_, _| [0.5, 0.5, 0.5, 1.0]);
+            fill(&mut Allotment::new(Adaptive::Variance, display()), 1, &[8, 16, 32, 64], |_, _| [0.5, 0.5, 0.5, 1.0]);
         assert!(film.pixels.iter().all(|p| p.samples() == 64));
     }
 
@@ -310,7 +348,7 @@ mod tests {
         let rare = |_: u32, u: f32| if u < 0.02 { [2.5, 2.5, 2.5, 1.0] } else { [0.0, 0.0, 0.0, 1.0] };
         let mut means = Vec::new();
         for seed in 0..40 {
-            let film = fill(&mut Allotment::new(Adaptive::Variance, display()), seed, &[16, 32, 64], rare);
+            let film = fill(&mut Allotment::new(Adaptive::Variance, display()), seed, &[8, 16, 32, 64], rare);
             means.extend(film.pixels.iter().map(|p| p.mean()[0]));
             assert!(film.pixels.iter().any(|p| p.samples() != 64));
         }

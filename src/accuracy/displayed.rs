@@ -17,7 +17,7 @@ impl Display {
 
     /// The displayed levels, 0–255 before rounding, of a linear premultiplied RGBA pixel; a transparent one on black.
     pub fn levels(&self, pixel: [f32; 4]) -> [f64; 3] {
-        let [r, g, b, alpha] = self.developer.develop(pixel).map(f64::from);
+        let [r, g, b, alpha] = self.developer.develop_nearly(pixel).map(f64::from);
         [r, g, b].map(|c| 255.0 * c * alpha)
     }
 }
@@ -28,12 +28,10 @@ pub(super) fn square_difference(parts: &LeaveOneOut, display: &Display, opaque: 
     (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f64>() / 12.0
 }
 
-/// The estimated square of a pixel's displayed error, mean of its channels.
-pub(super) fn square_error(parts: &LeaveOneOut, display: &Display, opaque: bool) -> f64 {
-    let levels = |pixel: &[f64; 4]| display.levels(seen(*pixel, opaque));
-    let whole = levels(&parts.mean);
+/// The estimated square of a pixel's displayed error, mean of its channels; `whole` is what the pixel looks like.
+pub(super) fn square_error(parts: &LeaveOneOut, display: &Display, opaque: bool, whole: [f64; 3]) -> f64 {
     parts.sum_beyond_fireflies(|without| {
-        let shown = levels(without);
+        let shown = display.levels(seen(*without, opaque));
         (0..3).map(|c| (shown[c] - whole[c]) * (shown[c] - whole[c])).sum::<f64>() / 3.0
     })
 }

@@ -76,7 +76,7 @@ fn facts(film: &Film, display: &Display, pixel: usize) -> Sums {
     let levels = display.levels(seen(mean, film.opaque));
     Sums {
         count: 1.0,
-        own: [displayed::square_error(&parts, display, film.opaque), relmse::square_error(&parts)],
+        own: [displayed::square_error(&parts, display, film.opaque, levels), relmse::square_error(&parts)],
         mean,
         squares: [0, 1, 2].map(|c| mean[c] * mean[c]),
         noise: pixel.variance().iter().sum(),

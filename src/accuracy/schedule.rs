@@ -36,6 +36,8 @@ impl Schedule {
         }
         let next = match spp {
             0 => self.first,
+            // Whoever took fewer, to see where the noise is, takes the rest of them.
+            _ if spp < self.first => self.first,
             1..4 => spp.saturating_mul(2),
             4..FIRST_LOOK => spp + 4,
             // The largest power of two that is not above it, over four: 16 → 4, 20 → 4, 32 → 8.
@@ -58,6 +60,8 @@ mod tests {
     #[test]
     fn passes_grow_by_quarters_of_an_octave_in_whole_replicates() {
         assert_eq!(ends(Goal::default(), 64), [64]);
+        assert_eq!(Schedule::new(&Goal::default(), 100).after(16), Some(64));
+        assert_eq!(Schedule::new(&Goal::default(), 40).after(16), Some(40));
         assert_eq!(ends(Goal::default(), 150), [64, 80, 96, 112, 128, 150]);
         let timed = Goal { time: Some(1.0), error: None };
         assert_eq!(ends(timed, 50), [1, 2, 4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 50]);

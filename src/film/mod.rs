@@ -148,19 +148,19 @@ pub struct Film {
     pub shares: bool,
     /// `width · height` sums.
     pub pixels: Vec<PixelSums>,
-    /// Rays traced for each square of [`SQUARE`] × [`SQUARE`] pixels, row by row from the top.
-    pub rays: Vec<u64>,
+    /// What the rays cost that were traced for each square of [`SQUARE`] × [`SQUARE`] pixels, in camera rays; row by row from the top.
+    pub work: Vec<u64>,
 }
 
-/// Side of the squares that [`Film::rays`] counts by, pixels.
+/// Side of the squares that [`Film::work`] counts by, pixels.
 pub const SQUARE: u32 = 16;
 
 impl Film {
     /// A film without samples.
     pub fn new(width: u32, height: u32, opaque: bool) -> Self {
         let pixels = vec![PixelSums::default(); width as usize * height as usize];
-        let rays = vec![0; (width.div_ceil(SQUARE) * height.div_ceil(SQUARE)) as usize];
-        Self { width, height, spp: 0, opaque, shares: false, pixels, rays }
+        let work = vec![0; (width.div_ceil(SQUARE) * height.div_ceil(SQUARE)) as usize];
+        Self { width, height, spp: 0, opaque, shares: false, pixels, work }
     }
 
     /// Samples of all pixels together.
@@ -168,23 +168,23 @@ impl Film {
         self.pixels.iter().map(|p| u64::from(p.samples())).sum()
     }
 
-    /// How many rays a sample of a pixel takes, about: its camera ray, and where that meets the asset what follows from it in the
-    /// pixel's square on average.
-    pub fn rays_per_sample(&self) -> impl Fn(usize) -> f64 + '_ {
+    /// What a sample of a pixel costs that meets the asset so often, in camera rays, about: its own one, and what follows in the pixel's
+    /// square on average where it meets it.
+    pub fn cost_of_sample(&self) -> impl Fn(usize, f64) -> f64 + '_ {
         let across = self.width.div_ceil(SQUARE);
         let square = move |pixel: usize| {
             let (x, y) = (pixel as u32 % self.width, pixel as u32 / self.width);
             (y / SQUARE * across + x / SQUARE) as usize
         };
-        let mut paths = vec![(0.0, 0.0); self.rays.len()];
+        let mut paths = vec![(0.0, 0.0); self.work.len()];
         for (k, pixel) in self.pixels.iter().enumerate() {
             let (all, met) = &mut paths[square(k)];
             *all += f64::from(pixel.samples());
             *met += pixel.mean()[3] * f64::from(pixel.samples());
         }
-        move |pixel| {
-            let ((all, met), rays) = (paths[square(pixel)], self.rays[square(pixel)] as f64);
-            if met > 0.0 { 1.0 + self.pixels[pixel].mean()[3] * (rays - all).max(0.0) / met } else { 1.0 }
+        move |pixel, coverage| {
+            let ((all, met), work) = (paths[square(pixel)], self.work[square(pixel)] as f64);
+            if met > 0.0 { 1.0 + coverage * (work - all).max(0.0) / met } else { 1.0 }
         }
     }
 

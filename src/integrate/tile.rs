@@ -6,6 +6,10 @@ use std::ops::Range;
 /// Side of the square tiles that threads take in turn.
 pub(super) const SIDE: u32 = SQUARE;
 
+/// What a ray after a scattering costs, in camera rays or shadow rays: those go together where it goes alone. Measured on the bench scenes
+/// (scripts/runs/2026-11-23-adaptive-from-eight.md).
+const SCATTERED: u64 = 3;
+
 /// How many samples the pixels of a film are to have.
 #[derive(Clone, Copy, Debug)]
 pub enum Aim<'a> {
@@ -142,7 +146,7 @@ impl Tile {
         }
         let square = self.y / SIDE * film.width.div_ceil(SIDE) + self.x / SIDE;
         let RayCounts { camera, bounce, shadow } = self.tally.rays;
-        film.rays[square as usize] += camera + bounce + shadow;
+        film.work[square as usize] += camera + SCATTERED * bounce + shadow;
         self.tally
     }
 }
