@@ -10,7 +10,7 @@ use glam::DVec3;
 use kiln::batch::{Job, Output, make_ready};
 use kiln::checks;
 use kiln::formats::{ImportOptions, Limits, import};
-use kiln::integrate::{View, render, surfaces};
+use kiln::integrate::{SurfaceSamples, View, render, surfaces};
 use kiln::prepare::{EnvironmentSource, PreparedScene, prepare};
 use kiln::settings::{EffectSet, EffectSettings, PrepareSettings, RenderSettings, Settings};
 use kiln::{Control, Scene};
@@ -26,7 +26,7 @@ fn prepare_settings(full: bool) -> PrepareSettings {
 fn same([pruned, full]: [&PreparedScene; 2], view: &View) -> bool {
     let (settings, control) = (RenderSettings { spp: 4, ..RenderSettings::default() }, Control::default());
     let film = |scene| render(scene, view, &settings, &control).expect("not stopped").film;
-    let layers = |scene| surfaces(scene, view, &settings, 4, &control).expect("not stopped").0;
+    let layers = |scene| surfaces(scene, view, &settings, SurfaceSamples::All(4), &control).expect("not stopped").0;
     film(pruned) == film(full) && layers(pruned) == layers(full)
 }
 

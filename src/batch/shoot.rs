@@ -5,10 +5,10 @@ use super::work::Work;
 use super::{Stage, selfcheck};
 use crate::accuracy::{Display, Ended, Finished, Progressive};
 use crate::film::Surfaces;
-use crate::integrate::{MOST_SURFACE_SAMPLES, View, surfaces};
+use crate::integrate::{SurfaceSamples, View, surfaces};
 use crate::prepare::PreparedScene;
 use crate::settings::{PictureFormat, Settings};
-use kiln_formats::Stopped;
+use kiln_formats::{Control, Stopped};
 
 impl Work<'_> {
     /// Does all of the job.
@@ -34,14 +34,20 @@ impl Work<'_> {
     }
 
     /// Looks at what lies at a view's pixels, if that is asked for.
-    fn surfaces(&mut self, prepared: &PreparedScene, view: &View) -> Result<Surfaces, Stopped> {
+    fn surfaces(
+        &mut self,
+        prepared: &PreparedScene,
+        view: &View,
+        samples: SurfaceSamples,
+        control: &Control,
+    ) -> Result<Surfaces, Stopped> {
         let Settings { render, pictures, .. } = &self.job.settings;
         let layers = !pictures.layers.is_empty() && pictures.formats.contains(&PictureFormat::Exr);
         // They guide the denoiser.
         if !layers && pictures.denoise.is_none() {
             return Ok(Surfaces::default());
         }
-        let (surfaces, tally) = surfaces(prepared, view, render, render.spp.min(MOST_SURFACE_SAMPLES), self.control)?;
+        let (surfaces, tally) = surfaces(prepared, view, render, samples, control)?;
         self.count(&tally, None);
         Ok(surfaces)
     }
@@ -58,7 +64,12 @@ impl Work<'_> {
         let clock = StageClock::begin();
         let settings = &self.job.settings;
         let display = Display::new(&settings.pictures, exposure);
-        let surfaces = self.surfaces(prepared, &views[index])?;
+        // A deadline leaves no time for it afterwards.
+        let before = self.control.deadline().is_some().then_some(SurfaceSamples::All(settings.render.spp));
+        let mut surfaces = match before {
+            Some(samples) => self.surfaces(prepared, &views[index], samples, self.control)?,
+            None => Surfaces::default(),
+        };
         let mut progressive = Progressive::new(prepared, &views[index], &settings.render, &settings.goal, display);
         let ended = progressive.step(self.control)?;
         if ended.is_none() && index == 0 && self.budget.affords_trial() {
@@ -79,6 +90,11 @@ impl Work<'_> {
             None => progressive.run(&self.budget.of_view(self.control, views.len() - index)),
         };
         let finished = progressive.finish();
+        if before.is_none() {
+            // A picture that was stopped gets its layers all the same.
+            let control = if ended.is_err() { &Control::default() } else { self.control };
+            surfaces = self.surfaces(prepared, &views[index], SurfaceSamples::Of(&finished.film), control)?;
+        }
         self.count(&finished.tally, Some(index as u32));
         self.outcome.seconds.render += clock.seconds().0;
         Ok((ended, finished, surfaces))

@@ -6,8 +6,6 @@ pub struct Surfaces {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Camera rays per pixel behind the layers.
-    pub samples: u32,
     /// Base or diffuse colour, linear Rec. 709.
     pub albedo: Vec<[f32; 3]>,
     /// Unit shading normal on the viewer's side, world space.

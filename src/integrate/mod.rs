@@ -41,7 +41,7 @@ use rayon::prelude::*;
 pub use record::{Cause, PathEvent};
 pub use replay::{PathTrace, replay};
 use std::ops::Range;
-pub use surfaces::{MOST_SURFACE_SAMPLES, surfaces};
+pub use surfaces::{SurfaceSamples, surfaces};
 use tile::Tile;
 pub use tile::{Aim, PassTally};
 use walk::Course;

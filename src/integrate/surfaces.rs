@@ -4,7 +4,7 @@ use super::camera::RayCamera;
 use super::trace::{Asker, closest};
 use super::vertex::{Place, Vertex};
 use super::{PassTally, View, camera_ray};
-use crate::film::{Identity, Surfaces};
+use crate::film::{Film, Identity, Surfaces};
 use crate::geometry::textures::Reader;
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
@@ -15,8 +15,27 @@ use kiln_formats::scene::Surface;
 use kiln_formats::{Control, Stopped};
 use rayon::prelude::*;
 
-/// Camera rays of a pixel behind the layers that tell of surfaces, at most.
-pub const MOST_SURFACE_SAMPLES: u32 = 64;
+/// Camera rays of a pixel behind the layers that tell of surfaces, at most on average.
+const MOST_SAMPLES: u32 = 64;
+
+/// How many camera rays of each pixel are looked at.
+#[derive(Clone, Copy, Debug)]
+pub enum SurfaceSamples<'a> {
+    /// So many, or fewer where that is too much.
+    All(u32),
+    /// Those of a picture, so that mattes add up to its coverage to the sample; or the first ones, where it has too many.
+    Of(&'a Film),
+}
+
+impl SurfaceSamples<'_> {
+    fn at(&self, pixel: usize) -> u32 {
+        match self {
+            Self::All(samples) => (*samples).min(MOST_SAMPLES),
+            Self::Of(film) if film.spp <= MOST_SAMPLES => film.pixels[pixel].samples(),
+            Self::Of(film) => film.pixels[pixel].samples().min(MOST_SAMPLES),
+        }
+    }
+}
 
 /// One pixel of the layers.
 struct Pixel {
@@ -27,7 +46,7 @@ struct Pixel {
     materials: [(u32, f32); crate::film::RANKS],
 }
 
-/// Looks at the surfaces of a view with the first `samples` camera rays of each pixel: those that the picture begins with, so
+/// Looks at the surfaces of a view with the first camera rays of each pixel: those that the picture begins with, so
 /// that edges lie where the picture has them. On the current rayon pool. Gives what it cost, too.
 ///
 /// # Errors
@@ -36,7 +55,7 @@ pub fn surfaces(
     scene: &PreparedScene,
     view: &View,
     settings: &RenderSettings,
-    samples: u32,
+    samples: SurfaceSamples,
     control: &Control,
 ) -> Result<(Surfaces, PassTally), Stopped> {
     let camera = RayCamera::new(&view.camera, &scene.frame);
@@ -44,7 +63,11 @@ pub fn surfaces(
     let row = |y: u32| -> Result<(Vec<Pixel>, f64), Stopped> {
         control.check()?;
         let clock = ThreadTime::now();
-        let pixels = (0..view.width).map(|x| pixel(scene, view, &camera, settings, [x, y], samples)).collect();
+        let look = |x: u32| {
+            let samples = samples.at((y * view.width + x) as usize);
+            pixel(scene, view, &camera, settings, [x, y], samples)
+        };
+        let pixels = (0..view.width).map(look).collect();
         Ok((pixels, clock.elapsed().as_secs_f64()))
     };
     let rows = (0..view.height).into_par_iter().map(row).collect::<Result<Vec<_>, _>>()?;
@@ -54,7 +77,6 @@ pub fn surfaces(
     let mut all = Surfaces {
         width: view.width,
         height: view.height,
-        samples,
         albedo: Vec::with_capacity(count),
         normal: Vec::with_capacity(count),
         depth: Vec::with_capacity(count),
@@ -62,7 +84,7 @@ pub fn surfaces(
         materials: Identity::new("material", scene.scene.materials.iter().map(|m| m.name.as_str()), 0),
     };
     let mut tally = PassTally::default();
-    tally.rays.camera = count as u64 * u64::from(samples);
+    tally.rays.camera = (0..count).map(|pixel| u64::from(samples.at(pixel))).sum();
     tally.cpu_seconds = rows.iter().map(|(_, seconds)| seconds).sum();
     for pixel in rows.into_iter().flat_map(|(pixels, _)| pixels) {
         all.albedo.push(pixel.albedo.to_array());

@@ -7,7 +7,7 @@ use crate::accuracy::{Accuracy, Allotment, CONFIDENCE, Display, Progressive};
 use crate::batch::{Ready, StageSeconds};
 use crate::denoise::Denoiser;
 use crate::film::{Film, Picture};
-use crate::integrate::{MOST_SURFACE_SAMPLES, PassTally, render_until, shares_paths, surfaces};
+use crate::integrate::{PassTally, SurfaceSamples, render_until, shares_paths, surfaces};
 use crate::metrics::Show;
 use crate::settings::Settings;
 use crate::write::{atomic, display, png};
@@ -153,7 +153,7 @@ impl Bench<'_> {
         let picture = film.picture();
         let Some(program) = &run.settings.pictures.denoise else { return Ok((picture, None)) };
         let (render, view) = (&run.settings.render, &run.ready.views[0]);
-        let samples = film.spp.min(MOST_SURFACE_SAMPLES);
+        let samples = SurfaceSamples::Of(film);
         let (surfaces, looked) = surfaces(&run.ready.scene, view, render, samples, self.control)?;
         let clock = Instant::now();
         let denoised = Denoiser::new(&program.0).denoise(&picture, &surfaces, 1).map_err(Ended::Unwritable)?;

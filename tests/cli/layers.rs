@@ -45,8 +45,7 @@ fn render(dir: &Path, name: &str, more: &[&str]) -> (BTreeMap<String, Vec<f32>>,
 #[test]
 fn layers_say_what_is_there() {
     let dir = folder(&[("two.obj", TWO), ("two.mtl", MTL), ("view.json", VIEW)]);
-    // Where noise decides who gets how many samples, the picture has others than the layers.
-    let (channels, texts) = render(dir.path(), "a.exr", &["--layers", ALL, "--adaptive", "off"]);
+    let (channels, texts) = render(dir.path(), "a.exr", &["--layers", ALL]);
     // In the middle of the lower square (row 20 of 32 looks at y ≈ 0.75).
     let at = |name: &str| channels.get(name).unwrap_or_else(|| panic!("{name} in {:?}", channels.keys()))[20 * 32 + 16];
     assert_eq!((at("A"), at("CryptoObject00.G"), at("CryptoMaterial00.G")), (1.0, 1.0, 1.0));
