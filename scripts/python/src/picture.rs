@@ -4,7 +4,7 @@ use crate::scene::Scene;
 use crate::wait::interruptible;
 use kiln::accuracy::{Display, Ended, Progressive};
 use kiln::film::{Picture, Surfaces};
-use kiln::integrate::surfaces;
+use kiln::integrate::{SurfaceSamples, surfaces};
 use kiln::settings::{Background, ToneMap};
 use kiln::write::{display, srgb};
 use kiln::{Control, Stopped};
@@ -13,9 +13,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 use serde_json::json;
 use std::time::{Duration, Instant};
-
-/// Camera rays of a pixel behind the layers that tell of surfaces, at most: as in the program.
-const MOST_SURFACE_SAMPLES: u32 = 64;
 
 /// Renders one view: a record as JSON, and the layers' names with their channels, type and bytes.
 #[pyfunction]
@@ -37,14 +34,18 @@ pub fn render<'py>(
     let count = ready.views.len();
     let view = ready.views.get(view).ok_or_else(|| PyIndexError::new_err(format!("there are {count} views")))?;
     let display = Display::new(&settings.pictures, ready.exposure);
-    let samples = settings.render.spp.min(MOST_SURFACE_SAMPLES);
+    let look = |samples: SurfaceSamples| match wants_surfaces {
+        true => surfaces(&ready.scene, view, &settings.render, samples, &by_deadline).map(|(surfaces, _)| surfaces),
+        false => Ok(Surfaces::default()),
+    };
     let rendered = interruptible(py, &control, || {
-        let surfaces = match wants_surfaces {
-            true => surfaces(&ready.scene, view, &settings.render, samples, &by_deadline)?.0,
-            false => Surfaces::default(),
-        };
+        // As in the program: a deadline leaves no time for it afterwards.
+        let before = settings.goal.time.map(|_| look(SurfaceSamples::All(settings.render.spp))).transpose()?;
         let mut progressive = Progressive::new(&ready.scene, view, &settings.render, &settings.goal, display);
-        progressive.run(&by_deadline).map(|ended| (ended, progressive.finish(), surfaces))
+        let ended = progressive.run(&by_deadline)?;
+        let finished = progressive.finish();
+        let surfaces = before.map_or_else(|| look(SurfaceSamples::Of(&finished.film)), Ok)?;
+        Ok((ended, finished, surfaces))
     })?;
     let late =
         |_: Stopped| asset_error(py, "deadline-before-first-pass", "the time was up before the first pass was done");
