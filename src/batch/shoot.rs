@@ -91,9 +91,9 @@ impl Work<'_> {
         };
         let finished = progressive.finish();
         if before.is_none() {
-            // A picture that was stopped gets its layers all the same.
-            let control = if ended.is_err() { &Control::default() } else { self.control };
-            surfaces = self.surfaces(prepared, &views[index], SurfaceSamples::Of(&finished.film), control)?;
+            // Nothing stops it: what has been rendered until somebody asks to stop is to be written, with its layers.
+            let samples = SurfaceSamples::Of(&finished.film);
+            surfaces = self.surfaces(prepared, &views[index], samples, &Control::default())?;
         }
         self.count(&finished.tally, Some(index as u32));
         self.outcome.seconds.render += clock.seconds().0;
