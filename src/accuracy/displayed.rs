@@ -17,7 +17,7 @@ impl Display {
 
     /// The displayed levels, 0–255 before rounding, of a linear premultiplied RGBA pixel; a transparent one on black.
     pub fn levels(&self, pixel: [f32; 4]) -> [f64; 3] {
-        let [r, g, b, alpha] = self.developer.develop_nearly(pixel).map(f64::from);
+        let [r, g, b, alpha] = self.developer.develop(pixel).map(f64::from);
         [r, g, b].map(|c| 255.0 * c * alpha)
     }
 }

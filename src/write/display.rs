@@ -51,17 +51,7 @@ impl Developer {
     }
 
     /// Encoded sRGB with straight alpha of a linear pixel with premultiplied alpha.
-    pub fn develop(&self, pixel: [f32; 4]) -> [f32; 4] {
-        self.develop_by(pixel, srgb::encode)
-    }
-
-    /// [`Self::develop`] to some 1e-5, in less time: for measuring.
-    pub fn develop_nearly(&self, pixel: [f32; 4]) -> [f32; 4] {
-        self.develop_by(pixel, srgb::encode_nearly)
-    }
-
-    #[inline(always)]
-    fn develop_by(&self, [r, g, b, alpha]: [f32; 4], encode: impl Fn(f32) -> f32) -> [f32; 4] {
+    pub fn develop(&self, [r, g, b, alpha]: [f32; 4]) -> [f32; 4] {
         if self.operator == ToneMap::Course {
             return course([r, g, b], self.scale);
         }
@@ -72,7 +62,7 @@ impl Developer {
             Some(under) => (std::array::from_fn(|i| shown[i] * alpha + under[i] * (1.0 - alpha)), 1.0),
             None => (shown, alpha),
         };
-        let [r, g, b] = shown.map(encode);
+        let [r, g, b] = shown.map(srgb::encode);
         // What nobody sees is black, not the colour that the tone map gives to nothing.
         if alpha > 0.0 { [r, g, b, alpha] } else { [0.0; 4] }
     }

@@ -1,32 +1,11 @@
 //! The sRGB transfer function (IEC 61966-2-1).
 
-use std::sync::LazyLock;
-
 /// Linear light in [0, 1] to the encoded value in [0, 1]. Values outside are clamped, NaN becomes 0.
 pub fn encode(linear: f32) -> f32 {
     // `max` first: it turns NaN into 0.
     let x = linear.max(0.0).min(1.0);
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * five_twelfths(x) - 0.055 }
 }
-
-/// [`encode`] to 1e-5, from a table: errors of pictures are measured through this curve, some five times a pixel.
-#[inline]
-pub fn encode_nearly(linear: f32) -> f32 {
-    // Over the square root the curve is nearly straight.
-    let at = linear.max(0.0).min(1.0).sqrt() * INTERVALS as f32;
-    let k = (at as usize).min(INTERVALS - 1);
-    let [from, to] = [NEARLY[k], NEARLY[k + 1]];
-    from + (at - k as f32) * (to - from)
-}
-
-const INTERVALS: usize = 1024;
-
-static NEARLY: LazyLock<[f32; INTERVALS + 1]> = LazyLock::new(|| {
-    std::array::from_fn(|k| {
-        let root = k as f32 / INTERVALS as f32;
-        encode(root * root)
-    })
-});
 
 /// x^(1/2.4) of 0.003 to 1, to some 3e-7: the fourth root times the sixth one. A general power takes several times as long, and errors
 /// of pictures are measured through this curve.
@@ -72,17 +51,6 @@ mod tests {
         }
         assert_eq!(encode(f32::NAN), 0.0);
         assert_eq!((encode(-1.0), encode(7.0)), (encode(0.0), encode(1.0)));
-    }
-
-    #[test]
-    fn the_table_is_near_the_curve() {
-        for k in 0..100_000u32 {
-            let x = k as f32 / 99_000.0;
-            let off = (encode_nearly(x * x) - encode(x * x)).abs();
-            assert!(off < 1e-5, "{x}: {off}");
-        }
-        assert_eq!(encode_nearly(f32::NAN), 0.0);
-        assert_eq!([-1.0, 0.0, 1.0, 7.0].map(encode_nearly), [-1.0, 0.0, 1.0, 7.0].map(encode));
     }
 
     #[test]
