@@ -7,6 +7,7 @@
 pub mod accuracy;
 pub mod batch;
 pub mod checks;
+pub mod cpu_clock;
 pub mod denoise;
 pub mod effects;
 pub mod film;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Each module of the crate and the modules that it may use.
 const ARROWS: &[(&str, &[&str])] = &[
+    ("cpu_clock", &[]),
     ("math", &[]),
     ("lanes", &["math"]),
     ("settings", &["math"]),
@@ -18,11 +19,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("effects", &["geometry", "settings"]),
     ("prepare", &["effects", "geometry", "lanes", "lighting", "math", "settings"]),
     ("denoise", &["film"]),
-    ("integrate", &["film", "geometry", "lanes", "lighting", "math", "prepare", "sampling", "settings", "shading"]),
-    ("write", &["film", "settings"]),
+    (
+        "integrate",
+        &["cpu_clock", "film", "geometry", "lanes", "lighting", "math", "prepare", "sampling", "settings", "shading"],
+    ),
+    ("write", &["film", "lanes", "math", "sampling", "settings"]),
     ("metrics", &["film", "settings", "write"]),
     ("gallery", &["metrics", "write"]),
-    ("accuracy", &["film", "integrate", "math", "prepare", "sampling", "settings", "write"]),
+    ("accuracy", &["cpu_clock", "film", "integrate", "lanes", "math", "prepare", "sampling", "settings", "write"]),
     ("batch", &["accuracy", "denoise", "film", "geometry", "integrate", "math", "prepare", "settings", "write"]),
     ("plan", &["batch", "settings"]),
     (
@@ -30,6 +34,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &[
             "accuracy",
             "batch",
+            "cpu_clock",
             "denoise",
             "film",
             "integrate",

@@ -1,11 +1,15 @@
 use super::jackknife::LeaveOneOut;
 use super::{Display, displayed, relmse};
+use crate::cpu_clock::Helpers;
 use crate::film::{Film, PixelSums};
 use crate::integrate::Aim;
+use crate::lanes::{AnyLanes, LANES, Lanes, Work};
+use crate::math::simd::SimdTier;
 use crate::sampling::{hash_combine, unit_float};
 use crate::settings::Adaptive;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Samples that every pixel gets before it is looked at who needs more.
 const BEGIN: u32 = 8;
@@ -59,8 +63,9 @@ impl Allotment {
         }
     }
 
-    /// Samples of each pixel of a film that is to have `spp` on average; no more than [`Self::reach`].
-    pub fn aim(&mut self, film: &Film, spp: u32) -> Aim<'_> {
+    /// Samples of each pixel of a film that is to have `spp` on average; no more than [`Self::reach`]. On the current rayon pool;
+    /// `helpers` takes the time.
+    pub fn aim(&mut self, film: &Film, spp: u32, helpers: &Helpers) -> Aim<'_> {
         debug_assert!(spp <= self.reach(film.spp));
         if self.adaptive == Adaptive::Off || spp <= BEGIN {
             return Aim::All(spp);
@@ -68,7 +73,7 @@ impl Allotment {
         let begin = octave_of(film.spp);
         let octave = match self.octave.take() {
             Some(octave) if octave.begin == begin => octave,
-            _ => Octave::of(film, &self.display),
+            _ => Octave::of(film, &self.display, helpers),
         };
         octave.aims(film, spp, &mut self.aims);
         self.octave = Some(octave);
@@ -99,9 +104,9 @@ struct Need {
 }
 
 impl Octave {
-    fn of(film: &Film, display: &Display) -> Self {
-        let said: Vec<Said> = film.pixels.par_iter().map(|pixel| Said::by(pixel, display, film.opaque)).collect();
-        let noise = around(&said, film.width as usize);
+    fn of(film: &Film, display: &Display, helpers: &Helpers) -> Self {
+        let said = said(film, display, helpers);
+        let around = Around::of(&said, film.width as usize, helpers);
         let whole = said.iter().fold(Said::default(), |mut all, said| {
             all += *said;
             all
@@ -114,10 +119,10 @@ impl Octave {
             let cost = costs(pixel, coverage);
             // Pixels that need the same do not all double their samples at once.
             let order = 1.0 + ORDER * f64::from(unit_float(hash_combine(SALT, pixel as u32)));
-            let samples = noise[pixel].relative_to(&whole) / cost.sqrt() * order;
+            let samples = around.without(pixel).relative_to(&whole) / cost.sqrt() * order;
             Need { covered, samples: rounded(samples), cost }
         };
-        Self { begin: octave_of(film.spp), pixels: (0..said.len()).map(need).collect() }
+        Self { begin: octave_of(film.spp), pixels: in_pieces(said.len(), helpers, |piece| piece.map(need).collect()) }
     }
 
     /// The samples of each pixel when the average is `spp`.
@@ -175,16 +180,6 @@ struct Said {
 }
 
 impl Said {
-    fn by(pixel: &PixelSums, display: &Display, opaque: bool) -> Self {
-        let parts = LeaveOneOut::of(pixel);
-        if !(parts.mean[3] > 0.0) {
-            return Self::default();
-        }
-        let squares = [displayed::square_difference(&parts, display, opaque), relmse::square_difference(&parts)];
-        let of_one = |square: f64| (square * f64::from(pixel.samples())).sqrt();
-        Self { covered: 1.0, deviations: squares.map(|s| if s.is_finite() { of_one(s) } else { 0.0 }) }
-    }
-
     /// Both deviations in one, each measured by that of all pixels.
     fn relative_to(&self, whole: &Self) -> f64 {
         let share = |k: usize| self.deviations[k] / self.covered / (whole.deviations[k] / whole.covered);
@@ -213,31 +208,99 @@ fn coverage_beside(film: &Film, pixel: usize) -> f64 {
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
-/// The sums over the pixels around each pixel without itself.
-fn around(said: &[Said], width: usize) -> Vec<Said> {
-    let height = said.len() / width.max(1);
-    let near = |at: usize, size: usize| at.saturating_sub(RADIUS)..(at + RADIUS + 1).min(size);
-    let sum = |all: &[Said]| {
-        let mut total = Said::default();
-        all.iter().for_each(|s| total += *s);
+/// Pixels that a thread works on at a time.
+const PIECE: usize = 4096;
+
+/// What `some` makes of all pixels, piece by piece, on the current rayon pool.
+fn in_pieces<T: Send>(pixels: usize, helpers: &Helpers, some: impl Fn(Range<usize>) -> Vec<T> + Sync) -> Vec<T> {
+    let piece = |k: usize| helpers.help(|| some(k * PIECE..((k + 1) * PIECE).min(pixels)));
+    let pieces: Vec<Vec<T>> = (0..pixels.div_ceil(PIECE)).into_par_iter().with_max_len(1).map(piece).collect();
+    pieces.into_iter().flatten().collect()
+}
+
+/// What the samples of each pixel say.
+fn said(film: &Film, display: &Display, helpers: &Helpers) -> Vec<Said> {
+    let lanes = AnyLanes::new(SimdTier::detect());
+    in_pieces(film.pixels.len(), helpers, |piece| lanes.run(Say { pixels: &film.pixels[piece], film, display }))
+}
+
+struct Say<'a> {
+    pixels: &'a [PixelSums],
+    film: &'a Film,
+    display: &'a Display,
+}
+
+impl Work for Say<'_> {
+    type Output = Vec<Said>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Vec<Said> {
+        let mut all = Vec::with_capacity(self.pixels.len());
+        for sixteen in self.pixels.chunks(LANES) {
+            let parts = LeaveOneOut::of(sixteen);
+            let squares = [
+                displayed::square_difference(lanes, &parts, self.display, self.film.opaque),
+                relmse::square_difference(&parts),
+            ];
+            for (i, pixel) in sixteen.iter().enumerate() {
+                let mut said = Said { covered: parts.covered[i], deviations: [0.0; 2] };
+                for (deviation, square) in said.deviations.iter_mut().zip(&squares) {
+                    let of_one = (square[i] * f64::from(pixel.samples())).sqrt();
+                    *deviation = if parts.covered[i] > 0.0 && of_one.is_finite() { of_one } else { 0.0 };
+                }
+                all.push(said);
+            }
+        }
+        all
+    }
+}
+
+/// What all pixels say, and sums of it over rows of seven.
+struct Around<'a> {
+    said: &'a [Said],
+    across: Vec<Said>,
+    width: usize,
+    height: usize,
+}
+
+impl<'a> Around<'a> {
+    fn of(said: &'a [Said], width: usize, helpers: &Helpers) -> Self {
+        let width = width.max(1);
+        let sum = |pixel: usize| {
+            let (x, row) = (pixel % width, pixel / width * width);
+            sum(&said[row..row + width][near(x, width)])
+        };
+        let across = in_pieces(said.len(), helpers, |piece| piece.map(sum).collect());
+        Self { said, across, width, height: said.len() / width }
+    }
+
+    /// The sum over the pixels around a pixel without itself.
+    fn without(&self, pixel: usize) -> Said {
+        let (x, y) = (pixel % self.width, pixel / self.width);
+        let row = &self.said[y * self.width..(y + 1) * self.width];
+        let near_x = near(x, self.width);
+        let mut total = sum(&row[near_x.start..x]);
+        total += sum(&row[x + 1..near_x.end]);
+        near(y, self.height).filter(|other| *other != y).for_each(|other| total += self.across[other * self.width + x]);
         total
-    };
-    let across: Vec<Said> =
-        said.par_chunks(width.max(1)).flat_map_iter(|row| (0..width).map(move |x| sum(&row[near(x, width)]))).collect();
-    let pixel = |at: usize| {
-        let (x, y) = (at % width, at / width);
-        let row = &said[y * width..(y + 1) * width];
-        let mut total = sum(&row[near(x, width).start..x]);
-        total += sum(&row[x + 1..near(x, width).end]);
-        near(y, height).filter(|other| *other != y).for_each(|other| total += across[other * width + x]);
-        total
-    };
-    (0..said.len()).into_par_iter().map(pixel).collect()
+    }
+}
+
+/// The places up to [`RADIUS`] beside one of `size`.
+fn near(at: usize, size: usize) -> Range<usize> {
+    at.saturating_sub(RADIUS)..(at + RADIUS + 1).min(size)
+}
+
+fn sum(all: &[Said]) -> Said {
+    let mut total = Said::default();
+    all.iter().for_each(|s| total += *s);
+    total
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cpu_clock::CpuClock;
     use crate::settings::{PictureSettings, ToneMap};
 
     const SIDE: u32 = 32;
@@ -250,7 +313,7 @@ mod tests {
     fn fill(allotment: &mut Allotment, seed: u32, passes: &[u32], of: impl Fn(u32, f32) -> [f32; 4]) -> Film {
         let mut film = Film::new(SIDE, SIDE, false);
         for spp in passes {
-            match allotment.aim(&film, *spp) {
+            match allotment.aim(&film, *spp, &CpuClock::begin().helpers) {
                 Aim::All(n) => (0..SIDE * SIDE).for_each(|p| grow(&mut film, seed, p, n, &of)),
                 Aim::Each(aims) => (0..SIDE * SIDE).for_each(|p| grow(&mut film, seed, p, aims[p as usize], &of)),
             }
@@ -290,7 +353,11 @@ mod tests {
         let mut spiked = quiet.clone();
         let place = 7 * 20 + 9;
         spiked[place].deviations = [1e6, 1e9];
-        let (before, after) = (around(&quiet, 20), around(&spiked, 20));
+        let around = |said: &[Said]| -> Vec<Said> {
+            let around = Around::of(said, 20, &CpuClock::begin().helpers);
+            (0..20 * 20).map(|pixel| around.without(pixel)).collect()
+        };
+        let (before, after) = (around(&quiet), around(&spiked));
         assert_eq!((after[place].covered, after[place].deviations), (48.0, before[place].deviations));
         for (k, (a, b)) in after.iter().zip(&before).enumerate().filter(|(k, _)| *k != place) {
             let near = (k % 20).abs_diff(9) <= RADIUS && (k / 20).abs_diff(7) <= RADIUS;

@@ -1,67 +1,132 @@
 use crate::film::{PixelSums, replicate_samples};
+use crate::lanes::LANES;
 use crate::sampling::REPLICATES;
 
-/// The most replicates.
-const MOST: usize = REPLICATES as usize;
+/// One number for each of sixteen pixels.
+pub(super) type Each = [f64; LANES];
 
-/// A pixel's mean, and what it would be without one replicate after the other.
+/// The code below tells two replicates apart.
+const _: () = assert!(REPLICATES == 2);
+
+/// Sixteen pixels: their means, and what they would be without one replicate or the other.
 pub(super) struct LeaveOneOut {
-    /// Mean of all samples: linear, premultiplied RGB and the asset's coverage.
-    pub mean: [f64; 4],
-    without: [[f64; 4]; MOST],
-    weights: [f64; MOST],
-    count: usize,
-    /// The share of a single bright sample in how the first two replicates differ, 0 to 1.
-    spiked: f64,
+    /// 1 where the asset covers the pixel, else 0; then nothing else here need be a number.
+    pub covered: Each,
+    /// Means of all samples: linear, premultiplied red, green, blue and the asset's coverage.
+    pub mean: [Each; 4],
+    /// Without the first replicate, and without the second one.
+    pub without: [[Each; 4]; 2],
+    /// Sum of the variances of red, green and blue, as [`PixelSums::variance`] has them.
+    pub noise: Each,
+    weights: [Each; 2],
+    /// The share of a single bright sample in how the replicates differ, 0 to 1.
+    spiked: Each,
 }
 
 impl LeaveOneOut {
-    /// Of a pixel with two samples or more.
-    pub fn of(pixel: &PixelSums) -> Self {
-        let spp = pixel.samples();
-        let sums = pixel.replicate_sums();
-        let total: [f64; 4] = std::array::from_fn(|c| sums.iter().map(|s| s[c]).sum());
-        let n = f64::from(spp);
-        let mut result =
-            Self { mean: total.map(|t| t / n), without: [[0.0; 4]; MOST], weights: [0.0; MOST], count: 0, spiked: 0.0 };
-        let filled = spp.min(REPLICATES);
-        for r in 0..filled {
-            let own = f64::from(replicate_samples(spp, r));
-            let k = r as usize;
-            result.without[k] = std::array::from_fn(|c| (total[c] - sums[k][c]) / (n - own));
+    /// Of up to sixteen pixels with two samples or more; those with fewer count as not covered.
+    #[inline(always)]
+    pub fn of(pixels: &[PixelSums]) -> Self {
+        let mut sums = [[[0.0; LANES]; 4]; 2];
+        let (mut samples, mut spike) = ([[1.0; LANES]; 2], [0.0; LANES]);
+        for (i, pixel) in pixels.iter().enumerate().take(LANES) {
+            for (r, replicate) in pixel.replicate_sums().iter().enumerate() {
+                samples[r][i] = f64::from(replicate_samples(pixel.samples(), r as u32).max(1));
+                for c in 0..4 {
+                    sums[r][c][i] = replicate[c];
+                }
+            }
+            spike[i] = pixel.spike();
+            if pixel.samples() < REPLICATES {
+                (sums[0][3][i], sums[1][3][i]) = (0.0, 0.0);
+            }
+        }
+        Self::of_sums(&sums, &samples, &spike)
+    }
+
+    #[inline(always)]
+    fn of_sums(sums: &[[Each; 4]; 2], samples: &[Each; 2], spike: &Each) -> Self {
+        let zero = [0.0; LANES];
+        let mut all = Self {
+            covered: zero,
+            mean: [zero; 4],
+            without: [[zero; 4]; 2],
+            noise: zero,
+            weights: [zero; 2],
+            spiked: zero,
+        };
+        for i in 0..LANES {
+            let n = samples[0][i] + samples[1][i];
+            for (c, (first, second)) in sums[0].iter().zip(&sums[1]).enumerate() {
+                let mean = (first[i] + second[i]) / n;
+                all.mean[c][i] = mean;
+                all.without[0][c][i] = second[i] / samples[1][i];
+                all.without[1][c][i] = first[i] / samples[0][i];
+                if c < 3 {
+                    let off = [all.without[1][c][i] - mean, all.without[0][c][i] - mean];
+                    all.noise[i] += (samples[0][i] * off[0] * off[0] + samples[1][i] * off[1] * off[1]) / n;
+                }
+            }
+            all.covered[i] = if all.mean[3][i] > 0.0 { 1.0 } else { 0.0 };
             // The jackknife of groups of unequal size (Busing, Meijer & van der Leeden 1999), about the whole picture instead
             // of the mean of the parts: so it has the curve's bias in it.
-            result.weights[k] = (n / own - 1.0) / f64::from(filled);
+            all.weights[0][i] = (n / samples[0][i] - 1.0) / 2.0;
+            all.weights[1][i] = (n / samples[1][i] - 1.0) / 2.0;
+            let share = spike[i] / (0.5 * (all.brightness(0, i) - all.brightness(1, i)).abs());
+            all.spiked[i] = if share < 1.0 { share } else { 1.0 };
         }
-        result.count = filled as usize;
-        if filled == 2 {
-            let [a, b] = result.first_two().map(|[r, g, b, _]| r + g + b);
-            result.spiked = (pixel.spike() / (0.5 * (a - b).abs())).min(1.0);
+        all
+    }
+
+    /// Red, green and blue without a replicate, all three.
+    #[inline(always)]
+    fn brightness(&self, replicate: usize, i: usize) -> f64 {
+        let [r, g, b, _] = &self.without[replicate];
+        r[i] + g[i] + b[i]
+    }
+
+    /// Σ weight · squares without a replicate: the estimate of the expected square of (picture − converged) where the squares are
+    /// those of (picture without a replicate − picture).
+    #[inline(always)]
+    pub fn sum(&self, squares: &[Each; 2]) -> Each {
+        let mut sum = [0.0; LANES];
+        for i in 0..LANES {
+            sum[i] = self.weights[0][i] * squares[0][i] + self.weights[1][i] * squares[1][i];
         }
-        result
+        sum
     }
 
-    /// The pixel without its first replicate, and without its second one.
-    pub fn first_two(&self) -> [[f64; 4]; 2] {
-        [self.without[0], self.without[1]]
-    }
-
-    /// Σ weight · `square`(picture without a replicate): the estimate of the expected square of (picture − converged) where
-    /// `square` measures (picture without a replicate − picture)².
-    pub fn sum(&self, square: impl Fn(&[f64; 4]) -> f64) -> f64 {
-        (0..self.count).map(|k| self.weights[k] * square(&self.without[k])).sum()
-    }
-
-    /// The same where `square` is bent. Where one bright sample (a firefly) is all the difference between two replicates, the converged
+    /// The same where the squares are bent. Where one bright sample (a firefly) is all the difference between two replicates, the converged
     /// pixel is near the darker of them, and how far the brighter one is counts for nothing: on a screen both it and the whole may be
     /// white.
-    pub fn sum_beyond_fireflies(&self, square: impl Fn(&[f64; 4]) -> f64) -> f64 {
-        let mean = self.sum(&square);
-        if !(self.spiked > 0.0) {
-            return mean;
+    #[inline(always)]
+    pub fn sum_beyond_fireflies(&self, squares: &[Each; 2]) -> Each {
+        let mut sum = self.sum(squares);
+        for i in 0..LANES {
+            let second_is_darker = self.brightness(1, i) <= self.brightness(0, i);
+            let towards_darker = if second_is_darker { squares[1][i] } else { squares[0][i] };
+            sum[i] += self.spiked[i] * self.spiked[i] * (towards_darker - sum[i]);
         }
-        let [a, b] = self.first_two().map(|[r, g, b, _]| r + g + b);
-        let towards_darker = square(&self.without[usize::from(b <= a)]);
-        mean + self.spiked * self.spiked * (towards_darker - mean)
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_replicates_say_what_the_pixel_would_be_without_the_other() {
+        let mut pixel = PixelSums::default();
+        [1.0, 5.0, 3.0].iter().enumerate().for_each(|(s, x)| pixel.add(s as u32, [*x, 0.0, 2.0 * *x, 1.0]));
+        let lone = PixelSums::default();
+        let parts = LeaveOneOut::of(&[lone, pixel]);
+        assert_eq!((parts.covered[0], parts.covered[1], parts.covered[2]), (0.0, 1.0, 0.0));
+        assert_eq!((parts.mean[0][1], parts.without[0][0][1], parts.without[1][2][1]), (3.0, 5.0, 4.0));
+        let of_film: f64 = pixel.variance().iter().sum();
+        assert!((parts.noise[1] - of_film).abs() < 1e-12 * of_film, "{} {of_film}", parts.noise[1]);
+        // Squares 4 and 1 about the mean: weighted (3/2 − 1)/2 and (3 − 1)/2, they say what the variance of the mean is.
+        let sum = parts.sum(&[[4.0; LANES], [1.0; LANES]])[1];
+        assert!((sum - pixel.variance()[0]).abs() < 1e-12, "{sum}");
     }
 }

@@ -26,6 +26,7 @@ pub use progressive::{Ended, Finished, Progressive};
 pub use schedule::Schedule;
 use specks::comes_as_specks;
 
+use crate::cpu_clock::{CpuClock, Helpers};
 use crate::film::Film;
 use crate::prepare::PreparedScene;
 use serde::{Deserialize, Serialize};
@@ -52,7 +53,7 @@ impl Accuracy {
     /// `None` when there are not two replicates to compare: with one sample per pixel nothing can be said. A film that shows
     /// nothing of the asset has no error.
     pub fn of(film: &Film, display: &Display, confidence: f64) -> Option<Self> {
-        Some(Spreads::of(film, display)?.accuracy(confidence))
+        Some(Spreads::of(film, display, &CpuClock::begin().helpers)?.accuracy(confidence))
     }
 
     /// The same of a picture of a scene, of which more may be known than the samples say: where light comes in specks
@@ -76,10 +77,11 @@ pub struct Spreads {
 }
 
 impl Spreads {
-    /// Of the pixels of a film that the asset covers; `None` when there are not two replicates.
-    pub fn of(film: &Film, display: &Display) -> Option<Self> {
+    /// Of the pixels of a film that the asset covers, on the current rayon pool; `None` when there are not two replicates. `helpers`
+    /// take the time.
+    pub fn of(film: &Film, display: &Display, helpers: &Helpers) -> Option<Self> {
         (film.spp >= 2).then(|| {
-            let [displayed, relative] = pixels::spreads(film, display);
+            let [displayed, relative] = pixels::spreads(film, display, helpers);
             Self { displayed, relative }
         })
     }

@@ -1,9 +1,16 @@
-use super::jackknife::LeaveOneOut;
-use super::surroundings::{Sums, with_surroundings};
+use super::jackknife::{Each, LeaveOneOut};
+use super::surroundings::{
+    COUNT, FIELDS, Fields, LEVEL_SQUARES, LEVELS, MEAN, NOISE, OWN, RADIUS, SQUARES, Surroundings, center,
+    displayed_spread, relative_spread, share_of_noise,
+};
 use super::{Display, Spread, displayed, relmse};
-use crate::film::{Film, SQUARE};
+use crate::cpu_clock::Helpers;
+use crate::film::{Film, PixelSums, SQUARE};
+use crate::lanes::{AnyLanes, LANES, Lanes, Work};
+use crate::math::simd::SimdTier;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Rows that are judged at a time: enough that the rows around them are few, and whole squares in which pixels use each other's paths.
 const BAND: usize = 2 * SQUARE as usize;
@@ -20,79 +27,150 @@ const BAND: usize = 2 * SQUARE as usize;
 ///
 /// Where pixels use each other's paths, those of a group ([`crate::film::group_in_square`]) are not: they count as one pixel that has the
 /// errors of all, as if they were wholly alike, which they are in indirect light at most. They are no neighbours of each other.
-pub(super) fn spreads(film: &Film, display: &Display) -> [Spread; 2] {
+pub(super) fn spreads(film: &Film, display: &Display, helpers: &Helpers) -> [Spread; 2] {
+    spreads_in(AnyLanes::new(SimdTier::detect()), film, display, helpers)
+}
+
+fn spreads_in(lanes: AnyLanes, film: &Film, display: &Display, helpers: &Helpers) -> [Spread; 2] {
     let height = film.height as usize;
-    let bands: Vec<[Spread; 2]> = (0..height.div_ceil(BAND))
-        .into_par_iter()
-        .map(|band| band_spreads(film, display, band * BAND..((band + 1) * BAND).min(height)))
-        .collect();
+    let spreads_of = |band: usize| {
+        let rows = band * BAND..((band + 1) * BAND).min(height);
+        helpers.help(|| lanes.run(Band { film, display, rows }))
+    };
+    let bands: Vec<[Spread; 2]> = (0..height.div_ceil(BAND)).into_par_iter().with_max_len(1).map(spreads_of).collect();
     bands.into_iter().fold([Spread::default(); 2], |mut all, band| {
         all.iter_mut().zip(band).for_each(|(a, b)| *a += b);
         all
     })
 }
 
-fn band_spreads(film: &Film, display: &Display, rows: std::ops::Range<usize>) -> [Spread; 2] {
-    let mut spreads = [Spread::default(); 2];
-    let mut groups: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
-    let first = rows.start * film.width as usize;
-    let pixels = with_surroundings(film, rows, |pixel| facts(film, display, pixel));
-    for (number, (pixel, around)) in pixels.into_iter().enumerate() {
-        if pixel.count == 0.0 {
-            continue;
-        }
-        let noise = if around.count > 1.0 { around.share_of_noise() } else { 0.0 };
-        let spread_around = || {
-            let shown = display.levels(seen(around.center(), film.opaque));
-            [around.displayed_spread(shown), around.relative_spread(relmse::EPSILON)]
-        };
-        let weight = noise.min(1.0) * noise.min(1.0) * noise.min(1.0);
-        let seen_around = if noise > 0.0 { spread_around() } else { [0.0; 2] };
-        for (k, spread) in spreads.iter_mut().enumerate() {
-            let curve = noise * seen_around[k] - around.own[k] / around.count;
-            spread.add(pixel.own[k] + weight * curve, pixel.own[k]);
-        }
-        if film.shares {
-            let group = groups.entry(film.group_of(first + number)).or_default();
-            (0..2).for_each(|k| group[k] += pixel.own[k]);
-        }
-    }
-    if film.shares {
-        for (k, spread) in spreads.iter_mut().enumerate() {
-            spread.own_squares = groups.values().map(|own| own[k] * own[k]).sum();
-        }
-    }
-    spreads
+/// Some rows.
+struct Band<'a> {
+    film: &'a Film,
+    display: &'a Display,
+    rows: Range<usize>,
 }
 
-/// What is known of a pixel.
-fn facts(film: &Film, display: &Display, pixel: usize) -> Sums {
-    let pixel = &film.pixels[pixel];
-    let parts = LeaveOneOut::of(pixel);
-    let mean = parts.mean;
-    if !(mean[3] > 0.0) {
-        return Sums::default();
-    }
-    let levels = display.levels(seen(mean, film.opaque));
-    Sums {
-        count: 1.0,
-        own: [displayed::square_error(&parts, display, film.opaque, levels), relmse::square_error(&parts)],
-        mean,
-        squares: [0, 1, 2].map(|c| mean[c] * mean[c]),
-        noise: pixel.variance().iter().sum(),
-        levels,
-        level_squares: levels.iter().map(|l| l * l).sum(),
+impl Work for Band<'_> {
+    type Output = [Spread; 2];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> [Spread; 2] {
+        let Self { film, display, rows } = self;
+        let width = film.width as usize;
+        let mut judge = Judge::default();
+        let mut around = Surroundings::new(width);
+        for row in rows.start.saturating_sub(RADIUS)..rows.end + RADIUS {
+            // Below the picture there is nothing.
+            let pixels = film.pixels.get(row * width..(row + 1) * width).unwrap_or(&[]);
+            for x in (0..width).step_by(LANES) {
+                let sixteen = pixels.get(x..(x + LANES).min(width)).unwrap_or(&[]);
+                around.tell(x, &facts(lanes, film, display, sixteen));
+            }
+            around.next();
+            if row < rows.start + RADIUS {
+                continue;
+            }
+            let first = (row - RADIUS) * width;
+            for x in (0..width).step_by(LANES) {
+                judge.add(lanes, (film, display), first + x, &around.own(x), &around.around(x));
+            }
+        }
+        judge.finish()
     }
 }
 
-/// A pixel as the picture has it.
-pub(super) fn seen([r, g, b, a]: [f64; 4], opaque: bool) -> [f32; 4] {
-    [r as f32, g as f32, b as f32, if opaque { 1.0 } else { a as f32 }]
+/// What has been said of the pixels so far.
+#[derive(Default)]
+struct Judge {
+    spreads: [Spread; 2],
+    groups: BTreeMap<usize, [f64; 2]>,
+}
+
+impl Judge {
+    /// Adds sixteen pixels from number `first` on, by what is known of them and of the pixels around.
+    #[inline(always)]
+    fn add<L: Lanes>(
+        &mut self,
+        lanes: L,
+        (film, display): (&Film, &Display),
+        first: usize,
+        own: &[Each; MEAN],
+        around: &Fields,
+    ) {
+        let noise = share_of_noise(around);
+        let center = center(around);
+        let shown = display.levels_of(lanes, &center, film.opaque);
+        let seen_around = [displayed_spread(around, &shown), relative_spread(around, &center, relmse::EPSILON)];
+        let mut best = [[0.0; LANES]; 2];
+        for k in 0..2 {
+            for i in 0..LANES {
+                let weight = noise[i].min(1.0) * noise[i].min(1.0) * noise[i].min(1.0);
+                let seen = if noise[i] > 0.0 { noise[i] * seen_around[k][i] } else { 0.0 };
+                let curve = seen - around[OWN + k][i] / around[COUNT][i];
+                best[k][i] = own[OWN + k][i] + weight * curve;
+            }
+        }
+        for i in 0..LANES {
+            if own[COUNT][i] == 0.0 {
+                continue;
+            }
+            for (k, spread) in self.spreads.iter_mut().enumerate() {
+                spread.add(best[k][i], own[OWN + k][i]);
+            }
+            if film.shares {
+                let group = self.groups.entry(film.group_of(first + i)).or_default();
+                (0..2).for_each(|k| group[k] += own[OWN + k][i]);
+            }
+        }
+    }
+
+    fn finish(mut self) -> [Spread; 2] {
+        if !self.groups.is_empty() {
+            for (k, spread) in self.spreads.iter_mut().enumerate() {
+                spread.own_squares = self.groups.values().map(|own| own[k] * own[k]).sum();
+            }
+        }
+        self.spreads
+    }
+}
+
+/// What is known of up to sixteen pixels.
+#[inline(always)]
+fn facts<L: Lanes>(lanes: L, film: &Film, display: &Display, pixels: &[PixelSums]) -> Fields {
+    let parts = LeaveOneOut::of(pixels);
+    let levels = display.levels_of(lanes, &parts.mean, film.opaque);
+    let mut fields = [[0.0; LANES]; FIELDS];
+    fields[OWN] = displayed::square_error(lanes, &parts, display, film.opaque, &levels);
+    fields[OWN + 1] = relmse::square_error(&parts);
+    fields[MEAN..MEAN + 4].copy_from_slice(&parts.mean);
+    fields[NOISE] = parts.noise;
+    fields[LEVELS..LEVELS + 3].copy_from_slice(&levels);
+    for c in 0..3 {
+        for i in 0..LANES {
+            fields[SQUARES + c][i] = parts.mean[c][i] * parts.mean[c][i];
+            fields[LEVEL_SQUARES][i] += levels[c][i] * levels[c][i];
+        }
+    }
+    for field in &mut fields {
+        only(field, &parts.covered);
+    }
+    fields[COUNT] = parts.covered;
+    fields
+}
+
+/// Zeros where the other number is 0.
+#[inline(always)]
+fn only(numbers: &mut Each, covered: &Each) {
+    for i in 0..LANES {
+        numbers[i] = if covered[i] > 0.0 { numbers[i] } else { 0.0 };
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cpu_clock::CpuClock;
     use crate::sampling::{hash_combine, unit_float};
     use crate::settings::{PictureSettings, ToneMap};
 
@@ -118,12 +196,13 @@ mod tests {
         let settings = PictureSettings { tonemap: ToneMap::None, ..PictureSettings::default() };
         let display = Display::new(&settings, 0.0);
         let error = |pixel: u32| {
-            let shown = display.levels(seen(film.pixels[pixel as usize].mean(), false))[0];
+            let [r, g, b, a] = film.pixels[pixel as usize].mean().map(|x| x as f32);
+            let shown = display.levels([r, g, b, a])[0];
             let [r, _, _] = display.levels([truth(pixel), truth(pixel), truth(pixel), 1.0]);
             (shown - r) * (shown - r)
         };
         let real: f64 = (0..SIDE * SIDE).map(error).sum();
-        let [stated, _] = spreads(film, &display);
+        let [stated, _] = spreads(film, &display, &CpuClock::begin().helpers);
         (stated.sum / real, stated.own / real)
     }
 
@@ -163,7 +242,8 @@ mod tests {
     fn pixels_that_use_each_others_paths_say_less() {
         let mut film = film(|_, u| u);
         let display = Display::new(&PictureSettings::default(), 0.0);
-        let bounds = |film: &Film| spreads(film, &display).map(|spread| spread.mean_and_bound(0.95));
+        let bounds =
+            |film: &Film| spreads(film, &display, &CpuClock::begin().helpers).map(|spread| spread.mean_and_bound(0.95));
         let alone = bounds(&film);
         film.shares = true;
         for ((error, bound), (same, nearer)) in bounds(&film).into_iter().zip(alone) {
@@ -175,23 +255,67 @@ mod tests {
         }
     }
 
+    /// The sums around each pixel of some rows.
+    struct Around<'a>(&'a Film, Range<usize>);
+
+    impl Work for Around<'_> {
+        type Output = Vec<Fields>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, lanes: L) -> Vec<Fields> {
+            let display = Display::new(&PictureSettings::default(), 0.0);
+            let (mut around, mut sums) = (Surroundings::new(SIDE as usize), Vec::new());
+            for row in self.1.start.saturating_sub(RADIUS)..self.1.end + RADIUS {
+                for x in (0..SIDE as usize).step_by(LANES) {
+                    let pixels = self.0.pixels.get(row * SIDE as usize + x..).unwrap_or(&[]);
+                    around.tell(x, &facts(lanes, self.0, &display, &pixels[..pixels.len().min(LANES)]));
+                }
+                around.next();
+                if row >= self.1.start + RADIUS {
+                    sums.extend((0..SIDE as usize).step_by(LANES).map(|x| around.around(x)));
+                }
+            }
+            sums
+        }
+    }
+
     #[test]
     fn how_a_film_is_cut_into_bands_does_not_matter() {
         let film = film(|pixel, u| u * (pixel % 7) as f32);
+        let around = |tier, rows| AnyLanes::new(tier).run(Around(&film, rows));
+        let bits =
+            |all: &[Fields]| -> Vec<u64> { all.iter().flat_map(|s| s.iter().flatten().map(|x| x.to_bits())).collect() };
+        let whole = around(SimdTier::Scalar, 0..SIDE as usize);
+        for tier in SimdTier::ALL {
+            let parts: [Range<usize>; 3] = [0..3, 3..90, 90..SIDE as usize];
+            let cut: Vec<Fields> = parts.into_iter().flat_map(|rows| around(tier, rows)).collect();
+            assert!(bits(&whole) == bits(&cut), "{tier}");
+        }
+        let sixteens = SIDE as usize / LANES;
+        let count = |row: usize, x: usize| whole[row * sixteens + x / LANES][COUNT][x % LANES];
+        // The first of every seven pixels is black, but covered.
+        assert_eq!((count(0, 0), count(1, 1), count(5, 5), count(5, 127)), (9.0, 16.0, 25.0, 15.0));
+    }
+
+    #[test]
+    fn all_tiers_say_the_same() {
+        let film = film(|pixel, u| if u < 0.1 { 3.0 } else { u * (pixel % 5) as f32 });
         let display = Display::new(&PictureSettings::default(), 0.0);
-        let around = |rows| -> Vec<Sums> {
-            let pixels = with_surroundings(&film, rows, |pixel| facts(&film, &display, pixel));
-            pixels.into_iter().map(|(_, around)| around).collect()
-        };
-        let whole = around(0..SIDE as usize);
-        let cut: Vec<Sums> = [0..3, 3..90, 90..SIDE as usize].into_iter().flat_map(around).collect();
-        let bits = |all: &[Sums]| -> Vec<u64> {
-            all.iter().flat_map(|s| [s.noise, s.mean[0], s.levels[2]].map(f64::to_bits)).collect()
-        };
-        assert!(bits(&whole) == bits(&cut));
-        assert_eq!(
-            (whole[0].count, whole[SIDE as usize + 1].count, whole[5 * SIDE as usize + 5].count),
-            (9.0, 16.0, 25.0)
-        );
+        let said = |tier| spreads_in(AnyLanes::new(tier), &film, &display, &CpuClock::begin().helpers);
+        let plain = said(SimdTier::Scalar);
+        assert!(plain[0].sum > 0.0 && SimdTier::ALL.into_iter().all(|tier| said(tier) == plain));
+    }
+
+    #[test]
+    fn pictures_that_are_no_multiple_of_sixteen_wide_lose_no_pixel() {
+        let mut film = Film::new(21, 5, false);
+        for (k, pixel) in film.pixels.iter_mut().enumerate() {
+            (0..4).for_each(|s| pixel.add(s, [(k + s as usize) as f32 * 0.01, 0.2, 0.3, 1.0]));
+        }
+        film.spp = 4;
+        let [shown, relative] =
+            spreads(&film, &Display::new(&PictureSettings::default(), 0.0), &CpuClock::begin().helpers);
+        assert_eq!((shown.count, relative.count), (105.0, 105.0));
+        assert!(shown.sum.is_finite() && shown.own_squares.is_finite() && relative.sum > 0.0);
     }
 }

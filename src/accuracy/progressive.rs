@@ -1,5 +1,6 @@
 use super::schedule::FIRST_LOOK;
 use super::{Accuracy, Allotment, Display, Schedule, Spreads, comes_as_specks, specks::ENOUGH_WITH_SPECKS};
+use crate::cpu_clock::{CpuClock, Helpers};
 use crate::film::Film;
 use crate::integrate::{PassTally, View, render_until, shares_paths};
 use crate::prepare::PreparedScene;
@@ -60,6 +61,9 @@ impl<'a> Progressive<'a> {
         goal: &'a Goal,
         display: Display,
     ) -> Self {
+        let clock = CpuClock::begin();
+        let film = Film::new(view.width, view.height, view.show_environment);
+        let allotment = Allotment::new(settings.allotted(shares_paths(scene, settings)), display);
         Self {
             scene,
             view,
@@ -67,9 +71,9 @@ impl<'a> Progressive<'a> {
             goal,
             display,
             schedule: Schedule::new(goal, settings.spp),
-            allotment: Allotment::new(settings.allotted(shares_paths(scene, settings)), display),
-            film: Film::new(view.width, view.height, view.show_environment),
-            tally: PassTally::default(),
+            allotment,
+            film,
+            tally: PassTally { cpu_seconds: clock.seconds(), ..PassTally::default() },
             looks: 0,
             accuracy: None,
             pace: 0.0,
@@ -101,8 +105,9 @@ impl<'a> Progressive<'a> {
             return Ok(Some(Ended::Deadline));
         }
         self.announce(control);
-        let clock = Instant::now();
-        let aim = self.allotment.aim(&self.film, next);
+        let (clock, cpu) = (Instant::now(), CpuClock::begin());
+        let aim = self.allotment.aim(&self.film, next, &cpu.helpers);
+        self.tally.cpu_seconds += cpu.seconds();
         match render_until(self.scene, self.view, self.settings, &mut self.film, (next, aim), control) {
             Ok(tally) => self.tally += tally,
             Err(Stopped) if begun && !control.was_asked_to_stop() => return Ok(Some(Ended::Deadline)),
@@ -132,8 +137,12 @@ impl<'a> Progressive<'a> {
 
     /// The error of the film as it is.
     pub fn accuracy(&self) -> Option<Accuracy> {
+        self.judge(&CpuClock::begin().helpers)
+    }
+
+    fn judge(&self, helpers: &Helpers) -> Option<Accuracy> {
         // Without an error asked for nobody looks.
-        let accuracy = Spreads::of(&self.film, &self.display)?.accuracy_at_look(self.looks);
+        let accuracy = Spreads::of(&self.film, &self.display, helpers)?.accuracy_at_look(self.looks);
         Some(if self.specks() { accuracy.of_scene(self.scene) } else { accuracy })
     }
 
@@ -148,8 +157,10 @@ impl<'a> Progressive<'a> {
     }
 
     /// The film with its error.
-    pub fn finish(self) -> Finished {
-        let accuracy = self.accuracy.or_else(|| self.accuracy());
+    pub fn finish(mut self) -> Finished {
+        let clock = CpuClock::begin();
+        let accuracy = self.accuracy.or_else(|| self.judge(&clock.helpers));
+        self.tally.cpu_seconds += clock.seconds();
         Finished { film: self.film, tally: self.tally, accuracy }
     }
 
@@ -169,7 +180,9 @@ impl<'a> Progressive<'a> {
             return false;
         }
         self.looks += 1;
-        self.accuracy = self.accuracy();
+        let clock = CpuClock::begin();
+        self.accuracy = self.judge(&clock.helpers);
+        self.tally.cpu_seconds += clock.seconds();
         self.film.spp >= self.least_samples() && self.accuracy.is_some_and(|a| a.error_bound <= target)
     }
 

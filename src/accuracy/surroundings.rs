@@ -1,94 +1,166 @@
-use crate::film::Film;
+use super::jackknife::Each;
+use crate::lanes::LANES;
 
 /// Pixels to each side that count as surroundings.
-const RADIUS: usize = 2;
+pub(super) const RADIUS: usize = 2;
+/// Pixels across.
+const ACROSS: usize = 2 * RADIUS + 1;
 
-/// What is known of a pixel, and summed up over its surroundings.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sums {
-    /// Pixels that the asset covers.
-    pub count: f64,
-    /// Of what the pixels' own replicates say of their squared errors, displayed and relative.
-    pub own: [f64; 2],
-    /// Of linear, premultiplied red, green and blue, and the coverage.
-    pub mean: [f64; 4],
-    /// Of the squares of red, green and blue.
-    pub squares: [f64; 3],
-    /// Of the variances of red, green and blue, all three.
-    pub noise: f64,
-    /// Of the levels as displayed.
-    pub levels: [f64; 3],
-    /// Of their squares, all three.
-    pub level_squares: f64,
+/// What is known of sixteen pixels, or summed up over the surroundings of each: a number for each of [`FIELDS`], zeros where the asset
+/// does not cover a pixel.
+pub(super) type Fields = [Each; FIELDS];
+
+/// Pixels that the asset covers.
+pub(super) const COUNT: usize = 0;
+/// What the pixels' own replicates say of their squared errors, displayed and relative: two fields.
+pub(super) const OWN: usize = 1;
+/// Linear, premultiplied red, green and blue, and the coverage: four.
+pub(super) const MEAN: usize = 3;
+/// The squares of red, green and blue: three.
+pub(super) const SQUARES: usize = 7;
+/// The variances of red, green and blue, all three.
+pub(super) const NOISE: usize = 10;
+/// The levels as displayed: three.
+pub(super) const LEVELS: usize = 11;
+/// Their squares, all three.
+pub(super) const LEVEL_SQUARES: usize = 14;
+/// How many there are.
+pub(super) const FIELDS: usize = 15;
+
+/// Sums over the 5 × 5 pixels around each, row after row from the top, in an order that does not depend on where one begins.
+pub(super) struct Surroundings {
+    /// Numbers in a row of a field.
+    stride: usize,
+    /// The row that was told last, field by field, between zeros.
+    told: Vec<f64>,
+    /// The last five rows, each summed up across.
+    across: [Vec<f64>; ACROSS],
+    /// What was known of the pixels of the last three rows themselves, field by field up to [`MEAN`].
+    own: [Vec<f64>; RADIUS + 1],
 }
 
-impl std::ops::AddAssign<&Self> for Sums {
-    fn add_assign(&mut self, other: &Self) {
-        self.count += other.count;
-        (0..2).for_each(|k| self.own[k] += other.own[k]);
-        (0..4).for_each(|c| self.mean[c] += other.mean[c]);
-        (0..3).for_each(|c| self.squares[c] += other.squares[c]);
-        self.noise += other.noise;
-        (0..3).for_each(|c| self.levels[c] += other.levels[c]);
-        self.level_squares += other.level_squares;
+impl Surroundings {
+    /// For rows of so many pixels. As if rows of zeros had been told.
+    pub fn new(width: usize) -> Self {
+        let stride = width.next_multiple_of(LANES);
+        let across = std::array::from_fn(|_| vec![0.0; FIELDS * stride]);
+        let own = std::array::from_fn(|_| vec![0.0; MEAN * stride]);
+        Self { stride, told: vec![0.0; FIELDS * (stride + 2 * RADIUS)], across, own }
+    }
+
+    /// Sets what is known of sixteen pixels of the next row, from the `x`-th on.
+    #[inline(always)]
+    pub fn tell(&mut self, x: usize, fields: &Fields) {
+        for (row, field) in self.told.chunks_exact_mut(self.stride + 2 * RADIUS).zip(fields) {
+            row[RADIUS + x..RADIUS + x + LANES].copy_from_slice(field);
+        }
+    }
+
+    /// Ends a row.
+    #[inline(always)]
+    pub fn next(&mut self) {
+        self.across.rotate_left(1);
+        self.own.rotate_left(1);
+        let told = self.told.chunks_exact(self.stride + 2 * RADIUS);
+        for (own, row) in self.own[RADIUS].chunks_exact_mut(self.stride).zip(told) {
+            own.copy_from_slice(&row[RADIUS..RADIUS + self.stride]);
+        }
+        let rows = self.across[ACROSS - 1].chunks_exact_mut(self.stride);
+        for (sums, row) in rows.zip(self.told.chunks_exact(self.stride + 2 * RADIUS)) {
+            let n = sums.len();
+            let (a, b, c, d, e) = (&row[..n], &row[1..n + 1], &row[2..n + 2], &row[3..n + 3], &row[4..n + 4]);
+            for x in 0..n {
+                sums[x] = a[x] + b[x] + c[x] + d[x] + e[x];
+            }
+        }
+    }
+
+    /// What was told of sixteen pixels of the third last row, from the `x`-th on: the fields up to [`MEAN`].
+    #[inline(always)]
+    pub fn own(&self, x: usize) -> [Each; MEAN] {
+        let mut own = [[0.0; LANES]; MEAN];
+        for (own, row) in own.iter_mut().zip(self.own[0].chunks_exact(self.stride)) {
+            own.copy_from_slice(&row[x..x + LANES]);
+        }
+        own
+    }
+
+    /// The sums around sixteen pixels, from the `x`-th on, of the third last row.
+    #[inline(always)]
+    pub fn around(&self, x: usize) -> Fields {
+        let mut sums = [[0.0; LANES]; FIELDS];
+        for row in &self.across {
+            for (sum, row) in sums.iter_mut().zip(row.chunks_exact(self.stride)) {
+                let row = &row[x..x + LANES];
+                for i in 0..LANES {
+                    sum[i] += row[i];
+                }
+            }
+        }
+        sums
     }
 }
 
-impl Sums {
-    /// The share of noise in what differs between the pixels, in linear light: about 1 where they differ by noise alone, and more by
-    /// chance.
-    pub fn share_of_noise(&self) -> f64 {
-        let n = self.count;
-        let seen: f64 = (0..3).map(|c| self.squares[c] - self.mean[c] * self.mean[c] / n).sum::<f64>() / (n - 1.0);
-        let share = self.noise / n / seen;
-        if share.is_finite() { share.max(0.0) } else { 0.0 }
+/// The share of noise in what differs between the pixels around, in linear light: about 1 where they differ by noise alone, and more by
+/// chance; 0 where there are not two.
+#[inline(always)]
+pub(super) fn share_of_noise(around: &Fields) -> Each {
+    let mut seen = [0.0; LANES];
+    for c in 0..3 {
+        for i in 0..LANES {
+            let (mean, n) = (around[MEAN + c][i], around[COUNT][i]);
+            seen[i] += around[SQUARES + c][i] - mean * mean / n;
+        }
     }
-
-    /// Mean of all pixels.
-    pub fn center(&self) -> [f64; 4] {
-        self.mean.map(|sum| sum / self.count)
+    let mut share = [0.0; LANES];
+    for i in 0..LANES {
+        let n = around[COUNT][i];
+        let noise = around[NOISE][i] / n / (seen[i] / (n - 1.0));
+        share[i] = if n > 1.0 && noise > 0.0 && noise < f64::INFINITY { noise } else { 0.0 };
     }
-
-    /// Mean square distance of the displayed pixels from `shown`, what [`Self::center`] looks like; mean of the channels. Unbiased
-    /// where only noise differs and the curve is straight.
-    pub fn displayed_spread(&self, shown: [f64; 3]) -> f64 {
-        let cross: f64 = (0..3).map(|c| shown[c] * (self.count * shown[c] - 2.0 * self.levels[c])).sum();
-        (self.level_squares + cross).max(0.0) / 3.0 / (self.count - 1.0)
-    }
-
-    /// The same in linear light, relative to the square of [`Self::center`] and `epsilon`.
-    pub fn relative_spread(&self, epsilon: f64) -> f64 {
-        let center = self.center();
-        let channel = |c: usize| {
-            let square = self.squares[c] - self.mean[c] * center[c];
-            square.max(0.0) / (center[c] * center[c] + epsilon)
-        };
-        (0..3).map(channel).sum::<f64>() / 3.0 / (self.count - 1.0)
-    }
+    share
 }
 
-/// Every pixel of the rows `rows`, row by row: what is known of it, as `of` tells, and the sum over its surroundings, in an order
-/// that does not depend on how a film is cut into rows.
-pub(super) fn with_surroundings(
-    film: &Film,
-    rows: std::ops::Range<usize>,
-    of: impl Fn(usize) -> Sums,
-) -> Vec<(Sums, Sums)> {
-    let (width, height) = (film.width as usize, film.height as usize);
-    let around = |at: usize, size: usize| at.saturating_sub(RADIUS)..(at + RADIUS + 1).min(size);
-    let outer = rows.start.saturating_sub(RADIUS)..(rows.end + RADIUS).min(height);
-    let total = |sums: &mut dyn Iterator<Item = &Sums>| {
-        let mut total = Sums::default();
-        sums.for_each(|s| total += s);
-        total
-    };
-    let pixels: Vec<Sums> = (outer.start * width..outer.end * width).map(of).collect();
-    let mut across = Vec::with_capacity(pixels.len());
-    for row in pixels.chunks(width.max(1)) {
-        across.extend((0..width).map(|x| total(&mut row[around(x, width)].iter())));
+/// Mean of all pixels around.
+#[inline(always)]
+pub(super) fn center(around: &Fields) -> [Each; 4] {
+    let mut center = [[0.0; LANES]; 4];
+    for c in 0..4 {
+        for i in 0..LANES {
+            center[c][i] = around[MEAN + c][i] / around[COUNT][i];
+        }
     }
-    let down = |x: usize, y: usize| around(y, height).map(move |v| (v - outer.start) * width + x);
-    rows.flat_map(|y| (0..width).map(move |x| (x, y)))
-        .map(|(x, y)| (pixels[(y - outer.start) * width + x], total(&mut down(x, y).map(|at| &across[at]))))
-        .collect()
+    center
+}
+
+/// Mean square distance of the displayed pixels around from `shown`, what [`center`] looks like; mean of the channels. Unbiased
+/// where only noise differs and the curve is straight.
+#[inline(always)]
+pub(super) fn displayed_spread(around: &Fields, shown: &[Each; 3]) -> Each {
+    let mut spread = around[LEVEL_SQUARES];
+    for c in 0..3 {
+        for i in 0..LANES {
+            spread[i] += shown[c][i] * (around[COUNT][i] * shown[c][i] - 2.0 * around[LEVELS + c][i]);
+        }
+    }
+    for i in 0..LANES {
+        spread[i] = spread[i].max(0.0) / 3.0 / (around[COUNT][i] - 1.0);
+    }
+    spread
+}
+
+/// The same in linear light, relative to the square of [`center`] and `epsilon`.
+#[inline(always)]
+pub(super) fn relative_spread(around: &Fields, center: &[Each; 4], epsilon: f64) -> Each {
+    let mut spread = [0.0; LANES];
+    for c in 0..3 {
+        for i in 0..LANES {
+            let square = around[SQUARES + c][i] - around[MEAN + c][i] * center[c][i];
+            spread[i] += square.max(0.0) / (center[c][i] * center[c][i] + epsilon);
+        }
+    }
+    for i in 0..LANES {
+        spread[i] = spread[i] / 3.0 / (around[COUNT][i] - 1.0);
+    }
+    spread
 }

@@ -26,12 +26,12 @@ mod walk;
 mod wave;
 mod whitted;
 
+use crate::cpu_clock::CpuClock;
 use crate::film::{Film, Picture};
 use crate::prepare::PreparedScene;
 use crate::settings::{Integrator, RenderSettings};
 use camera::RayCamera;
 use cone::Cone;
-use cpu_time::ThreadTime;
 pub use dropped::{Dropped, DroppedSample};
 use glam::Vec3;
 use kiln_formats::scene::Camera;
@@ -159,13 +159,14 @@ pub fn render_until(
     let camera = RayCamera::new(&view.camera, &scene.frame);
     let course = Course::new(scene, settings, view);
     let memories = wave::Memories::default();
-    let clock = ThreadTime::now();
+    let clock = CpuClock::begin();
+    let helpers = &clock.helpers;
     let hidden = !view.show_environment || scene.lights.environment.is_none();
     // Where triangles lie is asked only if that costs less than the rays do.
     let paths = u64::from(view.width) * u64::from(view.height) * u64::from(spp.saturating_sub(film.spp).max(1));
     let pays = settings.integrator == Integrator::Path && hidden && scene.triangles <= paths;
     let occupied = pays.then(|| Occupied::new(scene, view, &camera)).flatten();
-    let mut tally = PassTally { cpu_seconds: clock.elapsed().as_secs_f64(), ..PassTally::default() };
+    let mut tally = PassTally::default();
     let sight = wave::Sight { view, camera: &camera, occupied: occupied.as_ref() };
     let whitted = (settings.integrator == Integrator::Whitted).then(|| whitted::Tracer::new(scene));
     let before = &*film;
@@ -173,21 +174,21 @@ pub fn render_until(
         .par_iter()
         .with_max_len(1)
         .map(|corner| {
-            let clock = ThreadTime::now();
-            let mut tile = Tile::of(before, *corner, settings.clamp, aim);
-            if let Some(tracer) = &whitted {
-                tracer.render_tile(view, settings, &mut tile, control)?;
-            } else {
-                if settings.integrator == Integrator::Plain {
-                    render_tile(&course, view, &camera, &mut tile, control)?;
+            helpers.help(|| {
+                let mut tile = Tile::of(before, *corner, settings.clamp, aim);
+                if let Some(tracer) = &whitted {
+                    tracer.render_tile(view, settings, &mut tile, control)?;
                 } else {
-                    wave::render_tile(&course, &sight, &memories, &mut tile, control)?;
+                    if settings.integrator == Integrator::Plain {
+                        render_tile(&course, view, &camera, &mut tile, control)?;
+                    } else {
+                        wave::render_tile(&course, &sight, &memories, &mut tile, control)?;
+                    }
+                    // Whitted's paths are not those that a replay follows.
+                    tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
                 }
-                // Whitted's paths are not those that a replay follows.
-                tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
-            }
-            tile.tally.cpu_seconds += clock.elapsed().as_secs_f64();
-            Ok(tile)
+                Ok(tile)
+            })
         })
         .collect::<Result<Vec<_>, _>>()?;
     for tile in tiles {
@@ -195,6 +196,7 @@ pub fn render_until(
     }
     film.spp = spp;
     film.shares |= course.shares();
+    tally.cpu_seconds = clock.seconds();
     Ok(tally)
 }
 

@@ -4,12 +4,12 @@ use super::camera::RayCamera;
 use super::trace::{Asker, closest};
 use super::vertex::{Place, Vertex};
 use super::{PassTally, View, camera_ray};
+use crate::cpu_clock::CpuClock;
 use crate::film::{Film, Identity, Surfaces};
 use crate::geometry::textures::Reader;
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::RenderSettings;
-use cpu_time::ThreadTime;
 use glam::Vec3;
 use kiln_formats::scene::Surface;
 use kiln_formats::{Control, Stopped};
@@ -60,15 +60,15 @@ pub fn surfaces(
 ) -> Result<(Surfaces, PassTally), Stopped> {
     let camera = RayCamera::new(&view.camera, &scene.frame);
     let count = view.width as usize * view.height as usize;
-    let row = |y: u32| -> Result<(Vec<Pixel>, f64), Stopped> {
+    let clock = CpuClock::begin();
+    let helpers = &clock.helpers;
+    let row = |y: u32| -> Result<Vec<Pixel>, Stopped> {
         control.check()?;
-        let clock = ThreadTime::now();
         let look = |x: u32| {
             let samples = samples.at((y * view.width + x) as usize);
             pixel(scene, view, &camera, settings, [x, y], samples)
         };
-        let pixels = (0..view.width).map(look).collect();
-        Ok((pixels, clock.elapsed().as_secs_f64()))
+        Ok(helpers.help(|| (0..view.width).map(look).collect()))
     };
     let rows = (0..view.height).into_par_iter().map(row).collect::<Result<Vec<_>, _>>()?;
     let meshes = &scene.scene.meshes;
@@ -85,14 +85,14 @@ pub fn surfaces(
     };
     let mut tally = PassTally::default();
     tally.rays.camera = (0..count).map(|pixel| u64::from(samples.at(pixel))).sum();
-    tally.cpu_seconds = rows.iter().map(|(_, seconds)| seconds).sum();
-    for pixel in rows.into_iter().flat_map(|(pixels, _)| pixels) {
+    for pixel in rows.into_iter().flatten() {
         all.albedo.push(pixel.albedo.to_array());
         all.normal.push(pixel.normal.to_array());
         all.depth.push(pixel.depth);
         all.objects.ranks.push(pixel.objects);
         all.materials.ranks.push(pixel.materials);
     }
+    tally.cpu_seconds = clock.seconds();
     Ok((all, tally))
 }
 

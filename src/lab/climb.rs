@@ -5,6 +5,7 @@ use super::run::{Subject, picture_path};
 use super::{Cell, Reference, Store, Way};
 use crate::accuracy::{Accuracy, Allotment, CONFIDENCE, Display, Progressive};
 use crate::batch::{Ready, StageSeconds};
+use crate::cpu_clock::CpuClock;
 use crate::denoise::Denoiser;
 use crate::film::{Film, Picture};
 use crate::integrate::{PassTally, SurfaceSamples, render_until, shares_paths, surfaces};
@@ -73,7 +74,9 @@ impl Bench<'_> {
         while let Some(spp) = next {
             while film.spp < spp {
                 let next = spp.min(allotment.reach(film.spp));
-                let aim = (next, allotment.aim(&film, next));
+                let sharing = CpuClock::begin();
+                let aim = (next, allotment.aim(&film, next, &sharing.helpers));
+                tally.cpu_seconds += sharing.seconds();
                 tally += render_until(&run.ready.scene, view, &run.settings.render, &mut film, aim, self.control)?;
             }
             let render = clock.elapsed().as_secs_f64() - asleep;

@@ -2,6 +2,7 @@
 
 use super::{srgb, tonemap};
 use crate::film::Picture;
+use crate::lanes::{Floats, Lanes, V3};
 use crate::settings::{Background, ToneMap};
 
 /// Encoded sRGB with straight alpha, all in [0, 1], row by row from the top.
@@ -68,6 +69,33 @@ impl Developer {
     }
 }
 
+impl Developer {
+    /// [`Self::develop`] of sixteen pixels: the same bits.
+    #[inline(always)]
+    pub fn develop_lanes<L: Lanes>(&self, lanes: L, (color, alpha): (V3<L::F>, L::F)) -> (V3<L::F>, L::F) {
+        let fill = |x: f32| lanes.splat(x);
+        if self.operator == ToneMap::Course {
+            let level = |c: L::F| ((c * self.scale).max(fill(0.0)).min(fill(1.0)) * 255.0).floor() / 255.0;
+            return (V3::new(level(color.x), level(color.y), level(color.z)), fill(1.0));
+        }
+        let alpha = alpha.max(fill(0.0)).min(fill(1.0));
+        let seen = alpha.gt(fill(0.0));
+        let straight = |c: L::F| (c / alpha * self.scale).only(seen);
+        let straight = V3::new(straight(color.x), straight(color.y), straight(color.z));
+        let mut shown = tonemap::apply_lanes(lanes, self.operator, straight);
+        let mut over = alpha;
+        if let Some(under) = self.under {
+            let laid = |c: L::F, under: f32| c * alpha + (fill(1.0) - alpha) * under;
+            shown = V3::new(laid(shown.x, under[0]), laid(shown.y, under[1]), laid(shown.z, under[2]));
+            over = fill(1.0);
+        }
+        // What nobody sees is black, not the colour that the tone map gives to nothing.
+        let seen = over.gt(fill(0.0));
+        let encoded = |c: L::F| srgb::encode_lanes(c).only(seen);
+        (V3::new(encoded(shown.x), encoded(shown.y), encoded(shown.z)), over)
+    }
+}
+
 /// 8 bits of linear light over black, cut off and not rounded, as the course tracers of `.ray` scenes write their files.
 fn course(color: [f32; 3], scale: f32) -> [f32; 4] {
     // A whole number of 255ths is what quantising gives back.
@@ -78,6 +106,9 @@ fn course(color: [f32; 3], scale: f32) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{AnyLanes, LANES, Work};
+    use crate::math::simd::SimdTier;
+    use crate::sampling::{hash_combine, unit_float};
 
     fn one(pixel: [f32; 4], background: Background) -> [f32; 4] {
         let picture = Picture { width: 1, height: 1, pixels: vec![pixel] };
@@ -101,6 +132,47 @@ mod tests {
         assert_eq!(bytes, [18, 52, 240, 255]);
         let covered = one([0.4, 0.3, 0.2, 1.0], Background::Color([255; 3]));
         assert_eq!(covered, one([0.4, 0.3, 0.2, 1.0], Background::Transparent));
+    }
+
+    /// Sixteen pixels.
+    struct Develop<'a>(&'a Developer, &'a [[f32; 4]]);
+
+    impl Work for Develop<'_> {
+        type Output = Vec<[f32; 4]>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, lanes: L) -> Vec<[f32; 4]> {
+            let channel = |c: usize| lanes.load(&std::array::from_fn(|i| self.1[i][c]));
+            let (color, alpha) = self.0.develop_lanes(lanes, (V3::new(channel(0), channel(1), channel(2)), channel(3)));
+            let [r, g, b, a] = [color.x.array(), color.y.array(), color.z.array(), alpha.array()];
+            (0..LANES).map(|i| [r[i], g[i], b[i], a[i]]).collect()
+        }
+    }
+
+    #[test]
+    fn sixteen_at_a_time_are_the_same_bits() {
+        let odd = [0.0, -0.5, 1e-40, 0.003_130_8, 0.08, 0.76, 0.999, 1.0, 3.7, 1e30, f32::INFINITY, f32::NAN];
+        let number = |k: u32| {
+            let u = unit_float(hash_combine(7, k));
+            if k.is_multiple_of(3) { odd[(u * odd.len() as f32) as usize] } else { libm::powf(10.0, 4.0 * u - 3.0) }
+        };
+        let pixels: Vec<[f32; 4]> = (0..40 * LANES as u32)
+            .map(|k| {
+                [number(8 * k), number(8 * k + 1), number(8 * k + 2), [1.0, number(8 * k + 4), 0.3][k as usize % 3]]
+            })
+            .collect();
+        for operator in [ToneMap::Neutral, ToneMap::Aces, ToneMap::Agx, ToneMap::None, ToneMap::Course] {
+            for background in [Background::Transparent, Background::Color([10, 200, 90])] {
+                let developer = Developer::new(0.3, operator, background);
+                for sixteen in pixels.chunks(LANES) {
+                    let want: Vec<[f32; 4]> = sixteen.iter().map(|pixel| developer.develop(*pixel)).collect();
+                    for tier in SimdTier::ALL {
+                        let got = AnyLanes::new(tier).run(Develop(&developer, sixteen));
+                        assert_eq!(got, want, "{operator:?} {background:?} {tier:?} {sixteen:?}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

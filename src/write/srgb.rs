@@ -1,5 +1,7 @@
 //! The sRGB transfer function (IEC 61966-2-1).
 
+use crate::lanes::{Floats, Words};
+
 /// Linear light in [0, 1] to the encoded value in [0, 1]. Values outside are clamped, NaN becomes 0.
 pub fn encode(linear: f32) -> f32 {
     // `max` first: it turns NaN into 0.
@@ -25,6 +27,37 @@ fn cube_root(x: f32) -> f32 {
         y * ((cube + 2.0 * x) / (2.0 * cube + x))
     };
     step(step(guess))
+}
+
+/// [`encode`] of sixteen numbers: the same bits.
+#[inline(always)]
+pub fn encode_lanes<F: Floats>(linear: F) -> F {
+    let x = linear.max(linear.fill(0.0)).min(linear.fill(1.0));
+    let root = x.sqrt();
+    let curved = root.sqrt() * cube_root_lanes(root) * 1.055 - 0.055;
+    F::select(x.le(x.fill(0.003_130_8)), x * 12.92, curved)
+}
+
+/// [`cube_root`] of sixteen numbers: the same bits.
+#[inline(always)]
+fn cube_root_lanes<F: Floats>(x: F) -> F {
+    let guess = (third(x.to_bits()) + 0x2a51_19f2).from_bits();
+    let step = |y: F| {
+        let cube = y * y * y;
+        y * ((cube + x * 2.0) / (cube * 2.0 + x))
+    };
+    step(step(guess))
+}
+
+/// n / 3, rounded down, of n < 2³¹ (Warren, Hacker's Delight, 2nd edition, 10-3).
+#[inline(always)]
+fn third<U: Words>(n: U) -> U {
+    let mut quotient = n.shr::<2>() + n.shr::<4>();
+    quotient = quotient + quotient.shr::<4>();
+    quotient = quotient + quotient.shr::<8>();
+    quotient = quotient + quotient.shr::<16>();
+    let rest = n - quotient * 3;
+    quotient + (rest * 11).shr::<5>()
 }
 
 /// The encoded value in [0, 1] to linear light in [0, 1]. Values outside are clamped, NaN becomes 0.

@@ -1,5 +1,6 @@
 //! Tone mapping: unbounded linear Rec. 709 radiance to displayable linear Rec. 709 in [0, 1].
 
+use crate::lanes::{Floats, Lanes, V3};
 use crate::settings::ToneMap;
 
 /// Maps one colour. Negative and non-finite channels count as 0 and the largest float; the result is in [0, 1].
@@ -14,10 +15,53 @@ pub fn apply(operator: ToneMap, color: [f32; 3]) -> [f32; 3] {
     mapped.map(|c| c.max(0.0).min(1.0))
 }
 
+/// [`apply`] to sixteen colours: the same bits. (ACES and AgX one after the other.)
+#[inline(always)]
+pub fn apply_lanes<L: Lanes>(lanes: L, operator: ToneMap, color: V3<L::F>) -> V3<L::F> {
+    let clamp = |c: L::F, most: f32| c.max(lanes.splat(0.0)).min(lanes.splat(most));
+    let color = V3::new(clamp(color.x, f32::MAX), clamp(color.y, f32::MAX), clamp(color.z, f32::MAX));
+    let mapped = match operator {
+        ToneMap::Neutral => neutral_lanes(color),
+        ToneMap::None | ToneMap::Course => color,
+        ToneMap::Aces | ToneMap::Agx => one_by_one(lanes, operator, color),
+    };
+    V3::new(clamp(mapped.x, 1.0), clamp(mapped.y, 1.0), clamp(mapped.z, 1.0))
+}
+
+#[inline(always)]
+fn one_by_one<L: Lanes>(lanes: L, operator: ToneMap, color: V3<L::F>) -> V3<L::F> {
+    let mut channels = color.arrays();
+    let [red, green, blue] = &mut channels;
+    for ((r, g), b) in red.iter_mut().zip(green).zip(blue) {
+        [*r, *g, *b] = apply(operator, [*r, *g, *b]);
+    }
+    lanes.load_vector(&channels)
+}
+
+const START_COMPRESSION: f32 = 0.8 - 0.04;
+const DESATURATION: f32 = 0.15;
+
+/// [`neutral`] of sixteen colours.
+#[inline(always)]
+fn neutral_lanes<F: Floats>(color: V3<F>) -> V3<F> {
+    let fill = |x: f32| color.x.fill(x);
+    let least = color.x.min(color.y).min(color.z);
+    let offset = F::select(least.lt(fill(0.08)), least - least * 6.25 * least, fill(0.04));
+    let color = V3::new(color.x - offset, color.y - offset, color.z - offset);
+    let peak = color.x.max(color.y).max(color.z);
+    let d = 1.0 - START_COMPRESSION;
+    let new_peak = fill(1.0) - fill(d * d) / (peak + d - START_COMPRESSION);
+    let g = fill(1.0) - fill(1.0) / ((peak - new_peak) * DESATURATION + 1.0);
+    let as_it_is = peak.lt(fill(START_COMPRESSION));
+    let shown = |c: F| {
+        let compressed = c / peak * new_peak;
+        F::select(as_it_is, c, compressed + g * (new_peak - compressed))
+    };
+    V3::new(shown(color.x), shown(color.y), shown(color.z))
+}
+
 /// Khronos PBR Neutral (Khronos 3D Commerce, 2024; specification "Khronos PBR Neutral Tone Mapper").
 fn neutral(color: [f32; 3]) -> [f32; 3] {
-    const START_COMPRESSION: f32 = 0.8 - 0.04;
-    const DESATURATION: f32 = 0.15;
     // Takes off what a dielectric with F0 = 0.04 reflects beside its base colour.
     let x = color[0].min(color[1]).min(color[2]);
     let offset = if x < 0.08 { x - 6.25 * x * x } else { 0.04 };

@@ -1,0 +1,77 @@
+//! CPU time of work that several threads share.
+
+use cpu_time::ThreadTime;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// CPU time of the thread that began it, and of the threads of a pool that help.
+#[derive(Debug)]
+pub struct CpuClock {
+    caller: Option<ThreadTime>,
+    /// Those that help.
+    pub helpers: Helpers,
+}
+
+/// The threads of a pool that help somebody, and their CPU time.
+#[derive(Debug)]
+pub struct Helpers {
+    /// Called from a thread of the pool, that thread helps as well, and what it does is counted already.
+    outside: bool,
+    nanoseconds: AtomicU64,
+}
+
+impl CpuClock {
+    /// Begins on the calling thread.
+    pub fn begin() -> Self {
+        let outside = rayon::current_thread_index().is_none();
+        let helpers = Helpers { outside, nanoseconds: AtomicU64::new(0) };
+        Self { caller: ThreadTime::try_now().ok(), helpers }
+    }
+
+    /// CPU seconds of all threads so far. Call it on the thread that began.
+    pub fn seconds(&self) -> f64 {
+        let own = self.caller.and_then(|clock| clock.try_elapsed().ok()).map_or(0.0, |time| time.as_secs_f64());
+        own + 1e-9 * self.helpers.nanoseconds.load(Ordering::Relaxed) as f64
+    }
+}
+
+impl Helpers {
+    /// Does a part of the work on a thread of the pool.
+    pub fn help<R>(&self, part: impl FnOnce() -> R) -> R {
+        let clock = ThreadTime::try_now().ok().filter(|_| self.outside);
+        let made = part();
+        if let Some(time) = clock.and_then(|clock| clock.try_elapsed().ok()) {
+            self.nanoseconds.fetch_add(time.as_nanos() as u64, Ordering::Relaxed);
+        }
+        made
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayon::prelude::*;
+    use std::hint::black_box;
+    use std::time::{Duration, Instant};
+
+    fn busy(milliseconds: u64) {
+        let begin = Instant::now();
+        while begin.elapsed() < Duration::from_millis(milliseconds) {
+            black_box(begin);
+        }
+    }
+
+    #[test]
+    fn what_the_caller_does_counts_and_what_helpers_do_but_nothing_twice() {
+        let share = |helpers: &Helpers| (0..2).into_par_iter().for_each(|_| helpers.help(|| busy(40)));
+        let whole = CpuClock::begin();
+        busy(40);
+        share(&whole.helpers);
+        assert!((0.06..0.2).contains(&whole.seconds()), "{}", whole.seconds());
+        let inside = rayon::scope(|_| {
+            let clock = CpuClock::begin();
+            clock.helpers.help(|| busy(40));
+            clock.seconds()
+        });
+        assert!((0.02..0.07).contains(&inside), "{inside}");
+    }
+}
