@@ -14,7 +14,7 @@ use glam::Vec3;
 /// A ray with what the watertight test needs of it.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearedRay {
-    /// Where the ray begins.
+    /// Where the ray begins, in the order of `axes`.
     pub origin: [f32; 3],
     /// The axes that play x, y and z: z is the one along which the direction is longest.
     pub axes: [usize; 3],
@@ -53,24 +53,30 @@ impl ShearedRay {
     pub fn with(ray: &Ray, along: usize, [shear_x, shear_y]: [f32; 2]) -> Self {
         let axes = AXES[along];
         let dir_z = ray.dir[along];
-        Self { origin: ray.origin.to_array(), axes, shear_x, shear_y, dir_z, inv_dir_z: 1.0 / f64::from(dir_z) }
+        let origin = axes.map(|axis| ray.origin[axis]);
+        Self { origin, axes, shear_x, shear_y, dir_z, inv_dir_z: 1.0 / f64::from(dir_z) }
     }
 
-    /// A corner relative to the ray's origin: sheared x and y, and the distance along z. No fused operations, so that
-    /// every machine and SIMD tier rounds alike.
+    /// A corner, its coordinates in the order of `axes`, relative to the ray's origin: sheared x and y, and the distance along z. No
+    /// fused operations, so that every machine and SIMD tier rounds alike.
     #[inline(always)]
-    pub fn shear(&self, corner: [f32; 3]) -> [f32; 3] {
-        let [x, y, z] = self.axes;
-        let along = corner[z] - self.origin[z];
-        let across_x = corner[x] - self.origin[x];
-        let across_y = corner[y] - self.origin[y];
+    pub fn shear(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let along = z - self.origin[2];
+        let (across_x, across_y) = (x - self.origin[0], y - self.origin[1]);
         [across_x - self.shear_x * along, across_y - self.shear_y * along, along]
     }
 
     /// Where the line through the ray meets a triangle, before and behind the origin alike.
     #[inline(always)]
     pub fn meet(&self, corners: [[f32; 3]; 3], triangle: u32) -> Option<Hit> {
-        self.meet_sheared(corners.map(|corner| self.shear(corner)), triangle)
+        self.meet_along(corners.map(|corner| self.axes.map(|axis| corner[axis])), triangle)
+    }
+
+    /// [`ShearedRay::meet`] with corners whose coordinates are in the order of `axes`.
+    #[inline(always)]
+    pub fn meet_along(&self, corners: [[f32; 3]; 3], triangle: u32) -> Option<Hit> {
+        let [a, b, c] = corners;
+        self.meet_sheared([self.shear(a), self.shear(b), self.shear(c)], triangle)
     }
 
     /// [`ShearedRay::meet`] with corners that are sheared already.

@@ -123,7 +123,10 @@ pub fn walk(
                         let len = block.len;
                         let block = place.place(Scalar, block);
                         for i in 0..len {
-                            let Some(hit) = sheared.meet(block.corners(i), block.triangle(i)) else { continue };
+                            let Some(hit) = sheared.meet_along(block.corners_along(i, sheared.axes), block.triangle(i))
+                            else {
+                                continue;
+                            };
                             if nearest.improves(&hit) && accept(&hit) {
                                 nearest.take(hit);
                                 limit = slab.scaled(hit.t);

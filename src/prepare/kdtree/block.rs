@@ -35,22 +35,24 @@ pub const fn words_of(len: usize, pool: usize) -> usize {
 
 impl Block<'_> {
     /// The corners of a reference's triangle.
-    #[inline(always)]
     pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
+        self.corners_along(i, [0, 1, 2])
+    }
+
+    /// The same with their coordinates in the order of these axes.
+    #[inline(always)]
+    pub fn corners_along(&self, i: usize, [x, y, z]: [usize; 3]) -> [[f32; 3]; 3] {
         let at = |k: usize| f32::from_bits(self.words[k]);
-        let n = self.len;
         if self.pool == 0 {
-            return [
-                [at(i), at(n + i), at(2 * n + i)],
-                [at(3 * n + i), at(4 * n + i), at(5 * n + i)],
-                [at(6 * n + i), at(7 * n + i), at(8 * n + i)],
-            ];
+            let n = self.len;
+            let corner = |k: usize| [at((3 * k + x) * n + i), at((3 * k + y) * n + i), at((3 * k + z) * n + i)];
+            return [corner(0), corner(1), corner(2)];
         }
         let n = self.pool;
         let corner = |k: usize| {
             let word = self.words[3 * n + 4 * k + i / 4];
             let point = (word >> (8 * (i % 4))) as usize & (POOL - 1);
-            [at(point), at(n + point), at(2 * n + point)]
+            [at(x * n + point), at(y * n + point), at(z * n + point)]
         };
         [corner(0), corner(1), corner(2)]
     }

@@ -68,8 +68,28 @@ impl SlabRay {
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
+        if is_plain(ray) {
+            return Self::scaled_by(ray, ray.dir, 1.0);
+        }
+        // Number by number: who takes it whole from memory keeps all rays there.
+        let Self { enter_from: [a, b, c], leave_from: [d, e, f], inv: [x, y, z], octant, stop_factor, scale } =
+            Self::with_care(ray);
+        Self { enter_from: [a, b, c], leave_from: [d, e, f], inv: [x, y, z], octant, stop_factor, scale }
+    }
+
+    /// By value: what is passed by reference stays in memory, where others wait for it.
+    #[cold]
+    #[inline(never)]
+    fn with_care(ray: &Ray) -> Self {
         let mut slab = Self::default();
-        slab.set(ray);
+        slab.set_with_care(ray);
+        slab
+    }
+
+    #[inline(always)]
+    fn scaled_by(ray: &Ray, d: Vec3, scale: f32) -> Self {
+        let mut slab = Self::default();
+        slab.set_scaled(ray, d, scale);
         slab
     }
 

@@ -5,7 +5,7 @@ use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
 use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
+use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BEYOND_GROWTH, BEYOND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -87,13 +87,24 @@ impl Kernel for Avx2 {
     #[inline(always)]
     fn open(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { open(ray, node, limit, stack) }
+        unsafe { open(ray, node, limit, stack) };
     }
 
     #[inline(always)]
-    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
+    fn open_first(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> Option<u32> {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { candidates(ray, block, barred) }
+        let met = unsafe { open(ray, node, limit, stack) };
+        if met == 0 {
+            return None;
+        }
+        stack.pop();
+        Some(node.last_of(ray, met))
+    }
+
+    #[inline(always)]
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> u32 {
+        // SAFETY: `self` is the proof that the machine has the features.
+        unsafe { candidates(ray, block, barred, end) }
     }
 
     #[inline(always)]
@@ -105,7 +116,7 @@ impl Kernel for Avx2 {
 
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
+fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> u32 {
     let planes = node.planes.as_ptr().cast::<f32>();
     let (mut entered, mut left) = ([_mm256_setzero_ps(); 2], [_mm256_set1_ps(f32::INFINITY); 2]);
     for axis in 0..3 {
@@ -130,7 +141,8 @@ fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
     let (halves, shifts) = if ray.backwards == 1 { ([32, 0], backwards) } else { ([0, 32], forwards) };
     // SAFETY: two halves of a row, aligned to 32 bytes.
     let children = [0, 1].map(|half| unsafe { _mm256_load_ps(node.children.as_ptr().cast::<f32>().add(8 * half)) });
-    for shift in halves {
+    let mut met = 0;
+    for (half, shift) in halves.into_iter().enumerate() {
         let slots = _mm256_srlv_epi32(_mm256_set1_epi32((order >> shift) as i32), shifts);
         // Bit 3 of a slot selects the half; blending looks at the sign bit.
         let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(slots));
@@ -153,18 +165,20 @@ fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
             _mm256_storeu_si256(leaf_bases.cast(), _mm256_set1_epi32(node.leaf_base as i32));
             stack.grow(mask.count_ones() as usize);
         }
+        met |= mask << (8 * half);
     }
+    met
 }
 
 /// As in [`super::avx512`], where the reasons are, eight triangles at a time.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
-fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
+fn candidates(ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> u32 {
     let (len, pool) = (block.len, block.pool);
     assert!(block.words.len() >= words_of(len, pool) + 16);
     let base = block.words.as_ptr().cast::<f32>();
     let [x, y, z] = ray.axes;
-    let origin = [x, y, z].map(|axis| _mm256_set1_ps(ray.origin[axis]));
+    let origin = [0, 1, 2].map(|axis| _mm256_set1_ps(ray.origin[axis]));
     let shears = [_mm256_set1_ps(ray.shear_x), _mm256_set1_ps(ray.shear_y)];
     let dir_z = _mm256_set1_ps(ray.dir_z);
     let mut points = [[_mm256_setzero_ps(); 3]; 4];
@@ -209,13 +223,19 @@ fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
         let size = _mm256_fmadd_ps(u_size, abs(az), _mm256_fmadd_ps(v_size, abs(bz), size));
         let det = _mm256_add_ps(_mm256_add_ps(u, v), w);
         let turn = _mm256_and_ps(_mm256_xor_ps(det, dir_z), _mm256_set1_ps(-0.0));
-        let forward = _mm256_add_ps(_mm256_xor_ps(along, turn), _mm256_set1_ps(BEHIND_UNDERFLOW));
-        let most = _mm256_fmadd_ps(size, _mm256_set1_ps(BEHIND_ERROR), forward);
+        let forward = _mm256_xor_ps(along, turn);
+        let (error, underflow) = (_mm256_set1_ps(BEHIND_ERROR), _mm256_set1_ps(BEHIND_UNDERFLOW));
+        let most = _mm256_fmadd_ps(size, error, _mm256_add_ps(forward, underflow));
         let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(most, zero);
+        let least = _mm256_fnmadd_ps(size, error, _mm256_sub_ps(forward, underflow));
+        let sizes = _mm256_add_ps(_mm256_add_ps(u_size, v_size), w_size);
+        let det = _mm256_add_ps(abs(det), _mm256_set1_ps(BEYOND_UNDERFLOW));
+        let reach = _mm256_set1_ps(end * ray.dir_z.abs() * BEYOND_GROWTH);
+        let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(least, _mm256_mul_ps(reach, _mm256_fmadd_ps(sizes, error, det)));
         // SAFETY: eight of the triangles' numbers, or what follows them, which the assertion allows.
         let ids = unsafe { _mm256_loadu_si256(base.add(words_of(len, pool) - len + begin).cast()) };
         let out = _mm256_castsi256_ps(_mm256_cmpeq_epi32(ids, _mm256_set1_epi32(barred as i32)));
-        all |= (met & !(_mm256_movemask_ps(_mm256_or_ps(behind, out)) as u32)) << begin;
+        all |= (met & !(_mm256_movemask_ps(_mm256_or_ps(_mm256_or_ps(behind, beyond), out)) as u32)) << begin;
     }
     all
 }

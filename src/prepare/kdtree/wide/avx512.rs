@@ -5,7 +5,7 @@ use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
 use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
+use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BEYOND_GROWTH, BEYOND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -96,14 +96,44 @@ fn nearest_with_features<const ANY: bool>(
 impl Kernel for Avx512 {
     #[inline(always)]
     fn open(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
-        // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { open(ray, node, limit, stack) }
+        // SAFETY: `self` is the proof that the machine has the features, and all that are met were written.
+        unsafe {
+            let met = open(ray, node, limit, stack);
+            stack.grow(met.count_ones() as usize);
+        }
     }
 
     #[inline(always)]
-    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
+    fn open_first(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> Option<u32> {
+        // SAFETY: `self` is the proof that the machine has the features, and all that are met were written.
+        unsafe {
+            let met = open(ray, node, limit, stack);
+            if met == 0 {
+                return None;
+            }
+            // The first that the ray passes is the last in the order; by its slot it is known sooner than by way of the stack.
+            stack.grow(met.count_ones() as usize - 1);
+            Some(node.last_of(ray, met))
+        }
+    }
+
+    #[inline(always)]
+    fn open_any(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> Option<u32> {
+        // SAFETY: `self` is the proof that the machine has the features, and all that are met but one were written.
+        unsafe {
+            let met = open_unordered(ray, node, limit, stack);
+            if met == 0 {
+                return None;
+            }
+            stack.grow(met.count_ones() as usize - 1);
+            Some(node.children[met.trailing_zeros() as usize & 15])
+        }
+    }
+
+    #[inline(always)]
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> u32 {
         // SAFETY: `self` is the proof that the machine has the features.
-        unsafe { candidates(ray, block, barred) }
+        unsafe { candidates(ray, block, barred, end) }
     }
 
     #[inline(always)]
@@ -113,18 +143,65 @@ impl Kernel for Avx512 {
     }
 }
 
+/// Writes those children to the stack's room that the ray enters up to `limit`, and says by their places in its order which they are.
+///
 /// # Safety
 /// For machines with the features.
 #[inline(always)]
-unsafe fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
+unsafe fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> u32 {
     let (enters, children_to, leaf_bases) = stack.room();
-    let planes = node.planes.as_ptr().cast::<f32>();
-    let [ux, uy, uz] = ray.upper.map(|upper| upper.min(UPPER) as usize);
     let backwards = (ray.backwards & 1) as usize;
     let order = (ray.order & 6) as usize;
+    // SAFETY: offsets are those of words within the orders. The stack has room for sixteen of each kind, all of which are written
+    // before it grows.
+    unsafe {
+        let [entered, left] = intervals(ray, node, limit);
+        let words = node.orders.as_ptr().cast::<i32>().add(order);
+        let first = _mm512_set1_epi32(*words.add(backwards));
+        let both = _mm512_mask_set1_epi32(first, 0xff00, *words.add(1 - backwards));
+        let shifts = _mm512_load_si512(SHIFTS.0[backwards].as_ptr().cast());
+        let slots = _mm512_srlv_epi32(both, shifts);
+        let entered = _mm512_permutexvar_ps(slots, entered);
+        let left = _mm512_permutexvar_ps(slots, left);
+        let children = _mm512_permutexvar_epi32(slots, _mm512_load_si512(node.children.as_ptr().cast()));
+        let met = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(entered, left);
+        _mm512_storeu_ps(enters, _mm512_maskz_compress_ps(met, entered));
+        _mm512_storeu_si512(children_to.cast(), _mm512_maskz_compress_epi32(met, children));
+        _mm512_storeu_si512(leaf_bases.cast(), _mm512_set1_epi32(node.leaf_base as i32));
+        met.into()
+    }
+}
+
+/// The same in no order: a bit for the slot of each. All are entered at 0, it is said.
+///
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn open_unordered(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> u32 {
+    let (enters, children_to, leaf_bases) = stack.room();
+    // SAFETY: the stack has room for sixteen of each kind, all of which are written before it grows.
+    unsafe {
+        let [entered, left] = intervals(ray, node, limit);
+        let met = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(entered, left);
+        let others = met & met.wrapping_sub(1);
+        let children = _mm512_load_si512(node.children.as_ptr().cast());
+        _mm512_storeu_ps(enters, _mm512_setzero_ps());
+        _mm512_storeu_si512(children_to.cast(), _mm512_maskz_compress_epi32(others, children));
+        _mm512_storeu_si512(leaf_bases.cast(), _mm512_set1_epi32(node.leaf_base as i32));
+        met.into()
+    }
+}
+
+/// Where a ray enters the boxes of a node's children and leaves them, or ends at `limit`.
+///
+/// # Safety
+/// For machines with the features.
+#[inline(always)]
+unsafe fn intervals(ray: &BoxRay, node: &WideNode, limit: f32) -> [__m512; 2] {
+    let planes = node.planes.as_ptr().cast::<f32>();
+    let [ux, uy, uz] = ray.upper.map(|upper| upper.min(UPPER) as usize);
     let far = UPPER as usize;
-    // SAFETY: offsets are those of whole rows of 16 within the planes and of words within the orders; rows are aligned to 64
-    // bytes. The stack has room for sixteen of each kind, all of which are written before it grows.
+    // SAFETY: offsets are those of whole rows of 16 within the planes; rows are aligned to 64 bytes.
     unsafe {
         let near_x = _mm512_load_ps(planes.add(ux));
         let near_y = _mm512_load_ps(planes.add(WIDTH + uy));
@@ -142,19 +219,7 @@ unsafe fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) {
         let entered = _mm512_max_ps(_mm512_max_ps(enter_x, enter_y), _mm512_max_ps(enter_z, _mm512_setzero_ps()));
         let left = _mm512_min_ps(_mm512_min_ps(leave_x, leave_y), leave_z);
         let left = _mm512_min_ps(_mm512_mul_ps(left, _mm512_set1_ps(GROWTH)), _mm512_set1_ps(limit));
-        let words = node.orders.as_ptr().cast::<i32>().add(order);
-        let first = _mm512_set1_epi32(*words.add(backwards));
-        let both = _mm512_mask_set1_epi32(first, 0xff00, *words.add(1 - backwards));
-        let shifts = _mm512_load_si512(SHIFTS.0[backwards].as_ptr().cast());
-        let slots = _mm512_srlv_epi32(both, shifts);
-        let entered = _mm512_permutexvar_ps(slots, entered);
-        let left = _mm512_permutexvar_ps(slots, left);
-        let children = _mm512_permutexvar_epi32(slots, _mm512_load_si512(node.children.as_ptr().cast()));
-        let met = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(entered, left);
-        _mm512_storeu_ps(enters, _mm512_maskz_compress_ps(met, entered));
-        _mm512_storeu_si512(children_to.cast(), _mm512_maskz_compress_epi32(met, children));
-        _mm512_storeu_si512(leaf_bases.cast(), _mm512_set1_epi32(node.leaf_base as i32));
-        stack.grow(met.count_ones() as usize);
+        [entered, left]
     }
 }
 
@@ -196,12 +261,13 @@ unsafe fn edge(p: [__m512; 3], q: [__m512; 3]) -> [__m512; 2] {
 /// With u = 2⁻²⁴, an edge function of products p and q is off by 2u·(|p| + |q|) at most, and the numerator of the distance,
 /// which is their sum weighted by the corners' z, by 5u times the like sum of magnitudes. With 8u instead ([`BEHIND_ERROR`]), and a
 /// little for what underflow takes away, a triangle is left out that certainly lies behind the ray's origin. (Where the denominator's sign is
-/// wrong, exact edges have both signs.)
+/// wrong, exact edges have both signs.) The denominator is off by 4u times the magnitudes in it, so that 8u of them are more than that and
+/// what rounding does here: so a triangle is left out, too, that certainly lies beyond the ray's end.
 ///
 /// # Safety
 /// For machines with the features.
 #[inline(always)]
-unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
+unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> u32 {
     let (len, pool) = (block.len, block.pool);
     assert!(block.words.len() >= words_of(len, pool) + WIDTH);
     let base = block.words.as_ptr().cast::<f32>();
@@ -209,7 +275,7 @@ unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
     // SAFETY: plain loads begin at 8·len at most, pooled ones at 2·pool and indices at 3·pool + 8; numbers
     // `len` before the end; each reads 16 words, or 4 for indices, which the assertion allows.
     unsafe {
-        let origin = [_mm512_set1_ps(ray.origin[x]), _mm512_set1_ps(ray.origin[y]), _mm512_set1_ps(ray.origin[z])];
+        let origin = [_mm512_set1_ps(ray.origin[0]), _mm512_set1_ps(ray.origin[1]), _mm512_set1_ps(ray.origin[2])];
         let shears = [_mm512_set1_ps(ray.shear_x), _mm512_set1_ps(ray.shear_y)];
         let (a, b, c);
         if pool == 0 {
@@ -259,9 +325,14 @@ unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
         let underflow = _mm512_set1_ps(BEHIND_UNDERFLOW);
         let most = _mm512_fmadd_ps(size, error, _mm512_add_ps(forward, underflow));
         let behind = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(most, zero);
+        let least = _mm512_fnmadd_ps(size, error, _mm512_sub_ps(forward, underflow));
+        let sizes = _mm512_add_ps(_mm512_add_ps(u_size, v_size), w_size);
+        let det = _mm512_add_ps(_mm512_abs_ps(det), _mm512_set1_ps(BEYOND_UNDERFLOW));
+        let reach = _mm512_set1_ps(end * ray.dir_z.abs() * BEYOND_GROWTH);
+        let beyond = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(least, _mm512_mul_ps(reach, _mm512_fmadd_ps(sizes, error, det)));
         let ids = _mm512_loadu_si512(base.add(words_of(len, pool) - len).cast());
         let out = _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred as i32));
-        met & !u32::from(behind | out)
+        met & !u32::from(behind | beyond | out)
     }
 }
 

@@ -32,8 +32,20 @@ pub const UPPER: u32 = 3 * WIDTH as u32;
 pub const BEHIND_ERROR: f32 = 8.0 / 16_777_216.0;
 /// What underflow may take away from it.
 pub const BEHIND_UNDERFLOW: f32 = 1e-30;
+/// What underflow may take away from the denominator, and more.
+pub const BEYOND_UNDERFLOW: f32 = 1e-36;
+/// One, and what rounding may do to the comparison of a numerator with a denominator times the ray's end.
+pub const BEYOND_GROWTH: f32 = 1.0 + 16.0 / 16_777_216.0;
 
 impl BoxRay {
+    /// Prepares a ray.
+    #[inline(always)]
+    pub fn new(slab: &SlabRay) -> Self {
+        let mut ray = Self::default();
+        ray.set(slab);
+        ray
+    }
+
     /// Prepares a ray in place.
     #[inline(always)]
     pub fn set(&mut self, slab: &SlabRay) {
@@ -55,9 +67,23 @@ pub trait Kernel: Copy {
     /// Puts those children of a node on the stack that the ray enters up to `limit`: the first that it passes on top.
     fn open(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack);
 
-    /// Which of a leaf block's triangles but the `barred` one the ray may meet, the first in the lowest bit: at least all that
-    /// it does. The block's words reach 64 words beyond its end.
-    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32) -> u32;
+    /// The same, but for the child that the ray passes first: that one's word is given back, if there is any, and not put on the stack.
+    #[inline(always)]
+    fn open_first(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> Option<u32> {
+        let before = stack.len();
+        self.open(ray, node, limit, stack);
+        (stack.len() > before).then(|| stack.pop().word)
+    }
+
+    /// [`Kernel::open_first`] for who wants any hit: in any order.
+    #[inline(always)]
+    fn open_any(self, ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> Option<u32> {
+        self.open_first(ray, node, limit, stack)
+    }
+
+    /// Which of a leaf block's triangles but the `barred` one the ray may meet no farther than `end`, the first in the lowest bit: at
+    /// least all that it does. The block's words reach 64 words beyond its end.
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> u32;
 
     /// Places sixteen points, whose coordinates lie in `from` in rows `stride` words apart, as [`Placement::point`] does: bit for
     /// bit. Rows reach 16 words beyond the beginning of the last.

@@ -52,7 +52,13 @@ impl WideTree<'_> {
     /// What a waiting entry stands for.
     #[inline(always)]
     pub fn child(&self, waiting: &Waiting) -> Child {
-        Child::decode(waiting.word, waiting.leaf_base, |first| self.leaves.large(first))
+        self.child_of(waiting.word, waiting.leaf_base)
+    }
+
+    /// What a word of a node stands for whose leaves' places count from `leaf_base`.
+    #[inline(always)]
+    pub fn child_of(&self, word: u32, leaf_base: u32) -> Child {
+        Child::decode(word, leaf_base, |first| self.leaves.large(first))
     }
 
     /// Has something fetched that will probably be visited: a node, or a leaf but for its last lines. Without a branch, since

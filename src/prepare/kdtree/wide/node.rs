@@ -2,6 +2,7 @@
 
 use super::super::bounds::Bounds;
 use super::super::leaves::Leaf;
+use super::kernel::BoxRay;
 
 /// Children that a node may have.
 pub const WIDTH: usize = 16;
@@ -104,6 +105,14 @@ impl WideNode {
     pub fn bounds(&self, slot: usize) -> Bounds {
         let at = |row: usize| self.planes[row][slot];
         Bounds::new([at(0), at(1), at(2)], [at(3), at(4), at(5)])
+    }
+
+    /// The word of the last child in a ray's order, farthest first, of those whose places in it are bits of `met`, which is not 0.
+    #[inline(always)]
+    pub fn last_of(&self, ray: &BoxRay, met: u32) -> u32 {
+        let place = (u32::BITS - 1 - met.leading_zeros()) ^ (15 * (ray.backwards & 1));
+        let slot = self.orders[(ray.order / 2) as usize & 3] >> (4 * (place & 15)) & 15;
+        self.children[slot as usize]
     }
 
     /// The i-th slot that a ray of an octant passes (bits 0, 1, 2: negative x, y, z).

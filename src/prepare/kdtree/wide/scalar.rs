@@ -38,9 +38,11 @@ impl Kernel for Scalar {
     }
 
     #[inline]
-    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32) -> u32 {
-        let meets =
-            |i: usize| block.triangle(i) != barred && ray.meet(block.corners(i), 0).is_some_and(|hit| 0.0 < hit.t);
+    fn candidates(self, ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> u32 {
+        let meets = |i: usize| {
+            let corners = block.corners_along(i, ray.axes);
+            block.triangle(i) != barred && ray.meet_along(corners, 0).is_some_and(|hit| 0.0 < hit.t && hit.t <= end)
+        };
         (0..block.len).map(|i| u32::from(meets(i)) << i).sum()
     }
 

@@ -98,6 +98,12 @@ impl Stack {
         self.len += count;
     }
 
+    /// Entries, with the lowest one.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
     /// Takes the top. The lowest entry stays.
     #[inline(always)]
     pub fn pop(&mut self) -> Waiting {

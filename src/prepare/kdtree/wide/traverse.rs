@@ -35,8 +35,7 @@ pub fn nearest<const ANY: bool, K: Kernel>(
     ray: &Ray,
     accept: impl FnMut(&Hit) -> bool,
 ) -> Option<Hit> {
-    let mut walk = Walk::idle(kernel);
-    walk.begin(ray, NO_TRIANGLE);
+    let mut walk = Walk::new(kernel, ray);
     // Not in a closure: whether that is inlined where the instructions are, nobody knows.
     let mut place = MaybeUninit::uninit();
     walk.go::<ANY>(tree, Stack::begin(&mut place), &mut AsIs, &mut { accept });
@@ -59,7 +58,18 @@ impl<K: Kernel> Walk<K> {
         let mut child = Child::Node(0);
         loop {
             match child {
-                Child::Node(at) => self.kernel.open(&self.boxes, &tree.nodes[at as usize], self.limit, stack),
+                Child::Node(at) => {
+                    let node = &tree.nodes[at as usize];
+                    let first = if ANY {
+                        self.kernel.open_any(&self.boxes, node, self.limit, stack)
+                    } else {
+                        self.kernel.open_first(&self.boxes, node, self.limit, stack)
+                    };
+                    if let Some(word) = first {
+                        child = tree.child_of(word, node.leaf_base);
+                        continue;
+                    }
+                }
                 Child::Leaf(leaf) => {
                     for block in tree.leaves.blocks(leaf) {
                         if self.test_block(block, place, accept) && ANY {
@@ -73,12 +83,27 @@ impl<K: Kernel> Walk<K> {
                 if !self.is_beyond(&next) {
                     break next;
                 }
-                if self.is_last(tree, &next) {
+                if ANY || self.is_last(tree, &next) {
                     return false;
                 }
             };
             tree.prefetch(stack.top());
             child = tree.child(&next);
+        }
+    }
+
+    /// Before the first node, with a ray.
+    #[inline(always)]
+    pub fn new(kernel: K, ray: &Ray) -> Self {
+        let slab = SlabRay::new(ray);
+        Self {
+            kernel,
+            sheared: ShearedRay::new(ray),
+            boxes: BoxRay::new(&slab),
+            barred: NO_TRIANGLE,
+            nearest: Nearest::new(ray),
+            limit: slab.scaled(ray.t_max),
+            slab,
         }
     }
 
@@ -181,12 +206,12 @@ impl<K: Kernel> Walk<K> {
     pub fn test_block<P: Place>(&mut self, block: Block, place: &mut P, accept: &mut impl FnMut(&Hit) -> bool) -> bool {
         let real = if P::PADS { (1u32 << block.len) - 1 } else { u32::MAX };
         let block = place.place(self.kernel, block);
-        let mut candidates = self.kernel.candidates(&self.sheared, &block, self.barred) & real;
+        let mut candidates = self.kernel.candidates(&self.sheared, &block, self.barred, self.nearest.t) & real;
         let mut found = false;
         while candidates != 0 {
             let i = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;
-            if let Some(hit) = self.sheared.meet(block.corners(i), block.triangle(i))
+            if let Some(hit) = self.sheared.meet_along(block.corners_along(i, self.sheared.axes), block.triangle(i))
                 && self.nearest.improves(&hit)
                 && accept(&hit)
             {

@@ -88,12 +88,27 @@ fn check(kernel: impl Kernel) -> u32 {
         let certain = |entries: &[Waiting]| -> Vec<Waiting> {
             entries.iter().copied().filter(|w| !close(w.enter, limit)).collect()
         };
+        let words: Vec<u32> = found.iter().map(|child| child.word).collect();
         let (expected, found) = (certain(&expected), certain(&found));
         assert_eq!(expected.len(), found.len(), "ray {i}");
         for (plain, fast) in expected.iter().zip(&found) {
             assert_eq!((plain.word, plain.leaf_base), (fast.word, fast.leaf_base), "ray {i}");
             assert!(close(plain.enter, fast.enter), "ray {i}: {} {}", plain.enter, fast.enter);
         }
+        // The first child by itself, then the others; and all of them in any order.
+        let first = |open: &mut dyn FnMut(&mut Stack) -> Option<u32>| -> Vec<u32> {
+            Stack::with(|stack| {
+                let first = open(stack);
+                let others = std::iter::from_fn(|| Some(stack.pop()).filter(|top| top.enter <= limit));
+                first.into_iter().chain(others.map(|child| child.word)).collect()
+            })
+        };
+        assert_eq!(first(&mut |stack| kernel.open_first(&boxes, &node, limit, stack)), words);
+        let mut any = first(&mut |stack| kernel.open_any(&boxes, &node, limit, stack));
+        any.sort_unstable();
+        let mut sorted = words;
+        sorted.sort_unstable();
+        assert_eq!(any, sorted);
 
         let len = 1 + i % 16;
         // Neighbours share two corners, or one: then there are up to 31 different ones.
@@ -109,11 +124,15 @@ fn check(kernel: impl Kernel) -> u32 {
             let target = strip.0[i % len].iter().sum::<Vec3>() / 3.0;
             let sheared = ShearedRay::new(&Ray { dir: target - ray.origin, ..ray });
             let barred = (i % 31) as u32;
-            let met = Scalar.candidates(&sheared, &block, barred);
-            let candidates = kernel.candidates(&sheared, &block, barred);
-            assert_eq!(met & !candidates, 0, "a triangle is lost");
-            assert!(candidates < 1 << len, "a lane behind the last triangle");
-            vain += (candidates & !met).count_ones();
+            // Up to no end, and to exactly where a triangle is met.
+            let hit = sheared.meet(strip.0[i % len].map(|v| v.to_array()), 0).map_or(1.0, |hit| hit.t);
+            for end in [f32::INFINITY, 1e30, hit, 0.5 * hit] {
+                let met = Scalar.candidates(&sheared, &block, barred, end);
+                let candidates = kernel.candidates(&sheared, &block, barred, end);
+                assert_eq!(met & !candidates, 0, "a triangle is lost");
+                assert!(candidates < 1 << len, "a lane behind the last triangle");
+                vain += (candidates & !met).count_ones();
+            }
         }
     }
     vain
