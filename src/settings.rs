@@ -10,7 +10,7 @@ mod views;
 
 pub use effects::{Effect, EffectSet, EffectSettings};
 pub use environment::{EnvironmentFile, EnvironmentSettings};
-pub use goal::{Goal, MOST_SPP, Preset};
+pub use goal::{Goal, Preset};
 pub use look::LookSettings;
 pub use path_text::PathText;
 pub use pictures::{Background, BitDepth, Exposure, Layer, PictureFormat, PictureSettings, ToneMap};

@@ -74,6 +74,11 @@ pub const ALL: &[Advice] = &[
     advice("empty-mesh", "A mesh has no faces", "nothing, unless the picture lacks something"),
     advice("empty-shape", "A shape has no extent", "mend its size"),
     advice(
+        "error-not-met",
+        "All samples were taken, and the error may still be above the one asked for",
+        "more `--spp`, a larger `--error`, or `--time`, if there is some to spare",
+    ),
+    advice(
         "energy-scaled",
         "A material would reflect more light than falls on it; its colours are scaled down",
         "choose colours that add up to 1 at most",

@@ -41,7 +41,7 @@ pub fn run_asset_with(job: &Job, control: &Control, desk: &Desk) -> Outcome {
     let control = &budget.before_the_first_pass(control);
     let work = AssertUnwindSafe(|| Work { job, control, desk, budget, framed: false, outcome: &mut outcome }.run());
     let ended = catch_unwind(work).unwrap_or_else(|panic| Err(Failure::of_panic(&*panic)));
-    selfcheck::conclude(&mut outcome, matches!(ended, Ok(Ended::Deadline)));
+    selfcheck::conclude(&mut outcome, ended.as_ref().ok().copied());
     match ended {
         Ok(Ended::Deadline) => outcome.status = Status::Partial,
         Ok(_) if outcome.warnings.is_empty() => outcome.status = Status::Ok,

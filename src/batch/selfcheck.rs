@@ -1,6 +1,7 @@
 //! What a picture shows of itself: whether anything is there, lit, whole and not burnt out.
 
 use super::Outcome;
+use crate::accuracy::Ended;
 use crate::film::Picture;
 use crate::settings::{Background, PictureFormat, Settings};
 use crate::write::display::Developer;
@@ -97,13 +98,20 @@ pub(super) fn note(outcome: &mut Outcome, found: Vec<Warning>, view: u32, views:
     }
 }
 
-/// Adds what the whole of the work says.
-pub(super) fn conclude(outcome: &mut Outcome, time_cut: bool) {
+/// Adds what the whole of the work says; `ended`: how the renders did, if nothing went wrong.
+pub(super) fn conclude(outcome: &mut Outcome, ended: Option<Ended>) {
     if outcome.nonfinite > 0 {
         let message = format!("{} samples were not finite and do not count", outcome.nonfinite);
         outcome.warnings.push(Warning::new("nonfinite-samples", "", message));
     }
-    if time_cut {
+    let missed = outcome.outputs.iter().find(|output| output.target_met == Some(false));
+    if let (Some(Ended::Samples), Some(output)) = (ended, missed) {
+        let spp = output.spp;
+        let message =
+            format!("after {spp} samples, as many as there are to be, the error may still be above the one asked for");
+        outcome.warnings.push(Warning::new("error-not-met", "", message));
+    }
+    if ended == Some(Ended::Deadline) {
         let message = "the time was over before the picture was as good as asked for".to_owned();
         outcome.warnings.push(Warning::new("time-cut", "", message));
     }

@@ -5,9 +5,8 @@ use kiln::batch::ViewFile;
 use kiln::denoise::Denoiser;
 use kiln::settings::{
     Adaptive, Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Instances,
-    Integrator, KdTreeBuilder, Layer, LookSettings, MOST_SPP, PathText, PictureFormat, PictureSettings,
-    PrepareSettings, Preset, RenderSettings, Reuse, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice,
-    ViewSettings,
+    Integrator, KdTreeBuilder, Layer, LookSettings, PathText, PictureFormat, PictureSettings, PrepareSettings, Preset,
+    RenderSettings, Reuse, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
 };
 use std::path::PathBuf;
 
@@ -68,7 +67,7 @@ pub struct SettingOptions {
     #[arg(long, requires = "turntable", help_heading = "Looks")]
     play: bool,
 
-    /// Camera paths per pixel, at most [default: 64; 65536 where --error or --time ends the render]
+    /// Camera paths per pixel, at most [default: 64; with --error 4096, with --time 65536]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1 << 24), help_heading = "Quality")]
     spp: Option<u32>,
     /// Stop when the displayed picture is within E levels (of 255, RMS) of the converged one, with 95 % confidence
@@ -255,8 +254,7 @@ impl SettingOptions {
     fn goal(&self) -> (Goal, u32) {
         let (preset, most) = self.preset.map(Preset::goal).unzip();
         let goal = Goal { error: self.error.or(preset.unwrap_or_default().error), time: self.time };
-        let endless = if goal == Goal::default() { RenderSettings::default().spp } else { MOST_SPP };
-        (goal, self.spp.or(most).unwrap_or(endless))
+        (goal, self.spp.or(most).or(goal.most_spp()).unwrap_or(RenderSettings::default().spp))
     }
 
     /// Whether the pictures are turntables.

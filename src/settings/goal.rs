@@ -10,8 +10,17 @@ pub struct Goal {
     pub time: Option<f64>,
 }
 
-/// Camera paths per pixel at most where an error or a time is asked for and no number.
-pub const MOST_SPP: u32 = 65_536;
+impl Goal {
+    /// Camera paths per pixel at most where no number is asked for. A time ends every render; an error may never be met where light
+    /// is found by chance, and a batch is not to wait for it all night.
+    pub fn most_spp(&self) -> Option<u32> {
+        match (self.error, self.time) {
+            (_, Some(_)) => Some(65_536),
+            (Some(_), None) => Some(4096),
+            (None, None) => None,
+        }
+    }
+}
 
 /// Named goals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]

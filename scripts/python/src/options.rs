@@ -1,5 +1,5 @@
 use kiln::batch::ViewFile;
-use kiln::settings::{CameraChoice, Goal, Layer, MOST_SPP, PictureFormat, RenderSettings, Settings, ViewSettings};
+use kiln::settings::{CameraChoice, Goal, Layer, PictureFormat, RenderSettings, Settings, ViewSettings};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -74,9 +74,8 @@ pub fn settings(options: &Bound<'_, PyDict>) -> PyResult<Settings> {
             settings.pictures.background = file.background;
         }
     }
-    let endless = if goal == Goal::default() { RenderSettings::default().spp } else { MOST_SPP };
     settings.goal = goal;
-    settings.render.spp = spp.unwrap_or(endless);
+    settings.render.spp = spp.or(goal.most_spp()).unwrap_or(RenderSettings::default().spp);
     settings.render.max_depth = depth.unwrap_or(settings.render.max_depth);
     settings.views.width = width.unwrap_or(ViewSettings::default().width);
     settings.views.height = height.unwrap_or(settings.views.width);
