@@ -73,27 +73,34 @@ impl Developer {
     /// [`Self::develop`] of sixteen pixels: the same bits.
     #[inline(always)]
     pub fn develop_lanes<L: Lanes>(&self, lanes: L, (color, alpha): (V3<L::F>, L::F)) -> (V3<L::F>, L::F) {
-        let fill = |x: f32| lanes.splat(x);
+        let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
         if self.operator == ToneMap::Course {
-            let level = |c: L::F| ((c * self.scale).max(fill(0.0)).min(fill(1.0)) * 255.0).floor() / 255.0;
-            return (V3::new(level(color.x), level(color.y), level(color.z)), fill(1.0));
+            let levels = V3::new(cut(color.x * self.scale), cut(color.y * self.scale), cut(color.z * self.scale));
+            return (levels, one);
         }
-        let alpha = alpha.max(fill(0.0)).min(fill(1.0));
-        let seen = alpha.gt(fill(0.0));
-        let straight = |c: L::F| (c / alpha * self.scale).only(seen);
-        let straight = V3::new(straight(color.x), straight(color.y), straight(color.z));
+        let alpha = alpha.max(zero).min(one);
+        let seen = alpha.gt(zero);
+        let straight =
+            V3::new(color.x / alpha * self.scale, color.y / alpha * self.scale, color.z / alpha * self.scale);
+        let straight = V3::new(straight.x.only(seen), straight.y.only(seen), straight.z.only(seen));
         let mut shown = tonemap::apply_lanes(lanes, self.operator, straight);
         let mut over = alpha;
-        if let Some(under) = self.under {
-            let laid = |c: L::F, under: f32| c * alpha + (fill(1.0) - alpha) * under;
-            shown = V3::new(laid(shown.x, under[0]), laid(shown.y, under[1]), laid(shown.z, under[2]));
-            over = fill(1.0);
+        if let Some([r, g, b]) = self.under {
+            let rest = one - alpha;
+            shown = V3::new(shown.x * alpha + rest * r, shown.y * alpha + rest * g, shown.z * alpha + rest * b);
+            over = one;
         }
         // What nobody sees is black, not the colour that the tone map gives to nothing.
-        let seen = over.gt(fill(0.0));
-        let encoded = |c: L::F| srgb::encode_lanes(c).only(seen);
-        (V3::new(encoded(shown.x), encoded(shown.y), encoded(shown.z)), over)
+        let seen = over.gt(zero);
+        let encoded = V3::new(srgb::encode_lanes(shown.x), srgb::encode_lanes(shown.y), srgb::encode_lanes(shown.z));
+        (V3::new(encoded.x.only(seen), encoded.y.only(seen), encoded.z.only(seen)), over)
     }
+}
+
+/// [`course`] of a channel of sixteen pixels.
+#[inline(always)]
+fn cut<F: Floats>(c: F) -> F {
+    (c.max(c.fill(0.0)).min(c.fill(1.0)) * 255.0).floor() / 255.0
 }
 
 /// 8 bits of linear light over black, cut off and not rounded, as the course tracers of `.ray` scenes write their files.

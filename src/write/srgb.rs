@@ -42,11 +42,13 @@ pub fn encode_lanes<F: Floats>(linear: F) -> F {
 #[inline(always)]
 fn cube_root_lanes<F: Floats>(x: F) -> F {
     let guess = (third(x.to_bits()) + 0x2a51_19f2).from_bits();
-    let step = |y: F| {
-        let cube = y * y * y;
-        y * ((cube + x * 2.0) / (cube * 2.0 + x))
-    };
-    step(step(guess))
+    halley(halley(guess, x), x)
+}
+
+#[inline(always)]
+fn halley<F: Floats>(y: F, x: F) -> F {
+    let cube = y * y * y;
+    y * ((cube + x * 2.0) / (cube * 2.0 + x))
 }
 
 /// n / 3, rounded down, of n < 2³¹ (Warren, Hacker's Delight, 2nd edition, 10-3).

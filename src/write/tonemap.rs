@@ -18,7 +18,6 @@ pub fn apply(operator: ToneMap, color: [f32; 3]) -> [f32; 3] {
 /// [`apply`] to sixteen colours: the same bits. (ACES and AgX one after the other.)
 #[inline(always)]
 pub fn apply_lanes<L: Lanes>(lanes: L, operator: ToneMap, color: V3<L::F>) -> V3<L::F> {
-    let clamp = |c: L::F, most: f32| c.max(lanes.splat(0.0)).min(lanes.splat(most));
     let color = V3::new(clamp(color.x, f32::MAX), clamp(color.y, f32::MAX), clamp(color.z, f32::MAX));
     let mapped = match operator {
         ToneMap::Neutral => neutral_lanes(color),
@@ -26,6 +25,12 @@ pub fn apply_lanes<L: Lanes>(lanes: L, operator: ToneMap, color: V3<L::F>) -> V3
         ToneMap::Aces | ToneMap::Agx => one_by_one(lanes, operator, color),
     };
     V3::new(clamp(mapped.x, 1.0), clamp(mapped.y, 1.0), clamp(mapped.z, 1.0))
+}
+
+/// From 0 to `most`; 0 for what is not a number.
+#[inline(always)]
+fn clamp<F: Floats>(c: F, most: f32) -> F {
+    c.max(c.fill(0.0)).min(c.fill(most))
 }
 
 #[inline(always)]
@@ -44,20 +49,22 @@ const DESATURATION: f32 = 0.15;
 /// [`neutral`] of sixteen colours.
 #[inline(always)]
 fn neutral_lanes<F: Floats>(color: V3<F>) -> V3<F> {
-    let fill = |x: f32| color.x.fill(x);
     let least = color.x.min(color.y).min(color.z);
-    let offset = F::select(least.lt(fill(0.08)), least - least * 6.25 * least, fill(0.04));
+    let offset = F::select(least.lt(least.fill(0.08)), least - least * 6.25 * least, least.fill(0.04));
     let color = V3::new(color.x - offset, color.y - offset, color.z - offset);
     let peak = color.x.max(color.y).max(color.z);
     let d = 1.0 - START_COMPRESSION;
-    let new_peak = fill(1.0) - fill(d * d) / (peak + d - START_COMPRESSION);
-    let g = fill(1.0) - fill(1.0) / ((peak - new_peak) * DESATURATION + 1.0);
-    let as_it_is = peak.lt(fill(START_COMPRESSION));
-    let shown = |c: F| {
-        let compressed = c / peak * new_peak;
-        F::select(as_it_is, c, compressed + g * (new_peak - compressed))
-    };
-    V3::new(shown(color.x), shown(color.y), shown(color.z))
+    let one = peak.fill(1.0);
+    let new_peak = one - peak.fill(d * d) / (peak + d - START_COMPRESSION);
+    let g = one - one / ((peak - new_peak) * DESATURATION + 1.0);
+    let peaks = [peak, new_peak, g];
+    V3::new(compressed(color.x, peaks), compressed(color.y, peaks), compressed(color.z, peaks))
+}
+
+#[inline(always)]
+fn compressed<F: Floats>(c: F, [peak, new_peak, g]: [F; 3]) -> F {
+    let compressed = c / peak * new_peak;
+    F::select(peak.lt(peak.fill(START_COMPRESSION)), c, compressed + g * (new_peak - compressed))
 }
 
 /// Khronos PBR Neutral (Khronos 3D Commerce, 2024; specification "Khronos PBR Neutral Tone Mapper").

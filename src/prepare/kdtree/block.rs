@@ -35,6 +35,7 @@ pub const fn words_of(len: usize, pool: usize) -> usize {
 
 impl Block<'_> {
     /// The corners of a reference's triangle.
+    #[inline(always)]
     pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
         self.corners_along(i, [0, 1, 2])
     }
