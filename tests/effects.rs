@@ -9,6 +9,7 @@ use common::everything::everything;
 use glam::DVec3;
 use kiln::batch::{Job, Output, make_ready};
 use kiln::checks;
+use kiln::formats::scene::{Alpha, AlphaMode, ScalarInput};
 use kiln::formats::{ImportOptions, Limits, import};
 use kiln::integrate::{SurfaceSamples, View, render, surfaces};
 use kiln::prepare::{EnvironmentSource, PreparedScene, prepare};
@@ -75,6 +76,21 @@ fn a_scene_with_everything_is_the_same_pruned_and_full() {
     let [pruned, full] = both(&everything(), &EnvironmentSource::Studio);
     let inside = common::view(DVec3::new(0.1, 0.1, 0.95), DVec3::new(0.0, -0.4, -0.6), 80.0, 50);
     assert!(same([&pruned, &full], &inside));
+}
+
+#[test]
+fn a_scene_that_lets_every_ray_pass_is_the_same_pruned_and_full() {
+    let mut open = everything();
+    for material in &mut open.materials {
+        material.alpha = Alpha { mode: AlphaMode::Blend, value: ScalarInput::constant(0.0) };
+    }
+    for world in [EnvironmentSource::Studio, EnvironmentSource::None] {
+        let [pruned, full] = both(&open, &world);
+        let inside = common::view(DVec3::new(0.1, 0.1, 0.95), DVec3::new(0.0, -0.4, -0.6), 80.0, 50);
+        assert!(same([&pruned, &full], &inside));
+        let unmet = pruned.unmet();
+        assert!(unmet.open > 100, "{unmet:?}");
+    }
 }
 
 fn both(scene: &Scene, world: &EnvironmentSource) -> [PreparedScene; 2] {

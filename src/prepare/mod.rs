@@ -167,6 +167,11 @@ pub(crate) fn prepare_knowing(
     control.check()?;
     let pyramids = Pyramids::new(&scene, control);
     control.check()?;
+    let asks = Asks::new(&scene, &geometry, know);
+    let filters: Vec<_> = scene.materials.iter().map(|material| asks.of(material)).collect();
+    let ways = parts::ways(&scene, &geometry, know, &filters);
+    let met = unmet::met(&scene, &geometry, &asks);
+    let questions = Questions::new(&geometry, &ways, met.as_deref());
     let (start, clock) = (Instant::now(), ThreadTime::now());
     let options = BuildOptions {
         builder: settings.kdtree,
@@ -174,16 +179,12 @@ pub(crate) fn prepare_knowing(
         simd: tier(settings.simd),
         planned_rays: settings.planned_rays,
     };
-    let asks = Asks::new(&scene, &geometry, know);
-    let met = unmet::met(&scene, &geometry, &asks);
     let tree = instances::build(&geometry, met, &options, control)?;
     let times = PrepareTimes {
         kdtree: start.elapsed().as_secs_f64(),
         kdtree_cpu: tree.statistics().build_cpu_seconds,
         kdtree_caller_cpu: clock.elapsed().as_secs_f64(),
     };
-    let filters: Vec<_> = scene.materials.iter().map(|material| asks.of(material)).collect();
-    let ways = parts::ways(&scene, &geometry, know, &filters);
     Ok(PreparedScene {
         bounds,
         triangles: geometry.len() as u64,
@@ -193,7 +194,7 @@ pub(crate) fn prepare_knowing(
         rewrites,
         times,
         asks,
-        questions: Questions::new(&geometry, &ways),
+        questions,
         has_diffuse: parts::has_diffuse(&scene),
         is_diffuse: ways.iter().all(|part| matches!(part.way, Way::Diffuse(_))),
         ways,

@@ -33,11 +33,13 @@ pub(crate) struct Questions {
     /// Of how many triangles coverage is asked, and culling.
     asked: [u64; 2],
     triangles: u64,
+    /// Of how many triangles in the tree coverage is asked, and how many there are.
+    in_tree: [u64; 2],
 }
 
 impl Questions {
-    /// By what is asked of parts, and what is known of triangles.
-    pub fn new(geometry: &Geometry, ways: &[PartWay]) -> Self {
+    /// By what is asked of parts, and what is known of triangles; `met`: those that are in the tree, where they are not all.
+    pub fn new(geometry: &Geometry, ways: &[PartWay], met: Option<&[u32]>) -> Self {
         let any = |of: fn(&Filters) -> bool| ways.iter().any(|way| of(&way.filters));
         let (covers, culls) = (any(|filters| filters.coverage), any(|filters| filters.culled));
         if geometry.len() > MOST {
@@ -54,12 +56,19 @@ impl Questions {
             bits(covers, &|triangle| filters(triangle).coverage && geometry.known_coverage(triangle) != Some(true));
         let culling = bits(culls, &|triangle| filters(triangle).culled);
         let asked = [&coverage, &culling].map(|bits| bits.iter().map(|word| u64::from(word.count_ones())).sum());
-        Self { coverage, culling, every: false, asked, triangles: geometry.len() as u64 }
+        let triangles = geometry.len() as u64;
+        let mut questions = Self { coverage, culling, every: false, asked, triangles, in_tree: [asked[0], triangles] };
+        if let Some(met) = met {
+            let uncertain = met.iter().filter(|triangle| questions.asks(**triangle, false)).count();
+            questions.in_tree = [uncertain as u64, met.len() as u64];
+        }
+        questions
     }
 
-    /// Whether any ray has to ask most triangles: then it is best to ask on the way. Otherwise most rays meet one first that stops them.
+    /// Whether any ray has to ask most triangles of the tree: then it is best to ask on the way. Otherwise most rays meet one first that
+    /// stops them.
     pub fn mostly(&self) -> bool {
-        self.every || 2 * self.asked[0] > self.triangles
+        self.every || 2 * self.in_tree[0] > self.in_tree[1]
     }
 
     /// Numbers for people.
