@@ -51,8 +51,15 @@ fn a_deadline_gives_a_partial_picture_or_says_that_there_is_none() {
 fn what_is_met_first_ends_the_render() {
     let dir = folder(&[("a.obj", OBJ)]);
     let (code, line) = render(dir.path(), &["--time", "1000", "--error", "0.001", "--spp", "6"]);
-    assert_eq!((code, line["status"].as_str(), line["outputs"][0]["spp"].as_u64()), (0, Some("ok"), Some(6)));
+    assert_eq!((code, line["status"].as_str(), line["outputs"][0]["spp"].as_u64()), (0, Some("warned"), Some(6)));
     assert_eq!(line["outputs"][0]["target_met"], false);
+    assert_eq!(line["warnings"][0]["code"], "error-not-met");
+    // By itself an error that is never met ends a render at last.
+    let (_, line) = render(dir.path(), &["--error", "0.0001", "--width", "8"]);
+    assert_eq!(
+        (line["outputs"][0]["spp"].as_u64(), &line["warnings"][0]["code"]),
+        (Some(4096), &"error-not-met".into())
+    );
     let (_, line) = render(dir.path(), &["--preset", "draft"]);
     assert_eq!(line["outputs"][0]["target_met"], true);
     assert!(line["outputs"][0]["error_bound"].as_f64().is_some_and(|b| b > 4.0 && b <= 8.0), "{line}");

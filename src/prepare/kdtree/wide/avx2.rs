@@ -5,7 +5,7 @@ use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
 use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BEYOND_GROWTH, BEYOND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
+use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BEYOND_UNDERFLOW, BoxRay, Job, Kernel, UPPER, reach};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -230,7 +230,7 @@ fn candidates(ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> u32 {
         let least = _mm256_fnmadd_ps(size, error, _mm256_sub_ps(forward, underflow));
         let sizes = _mm256_add_ps(_mm256_add_ps(u_size, v_size), w_size);
         let det = _mm256_add_ps(abs(det), _mm256_set1_ps(BEYOND_UNDERFLOW));
-        let reach = _mm256_set1_ps(end * ray.dir_z.abs() * BEYOND_GROWTH);
+        let reach = _mm256_set1_ps(reach(ray, end));
         let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(least, _mm256_mul_ps(reach, _mm256_fmadd_ps(sizes, error, det)));
         // SAFETY: eight of the triangles' numbers, or what follows them, which the assertion allows.
         let ids = unsafe { _mm256_loadu_si256(base.add(words_of(len, pool) - len + begin).cast()) };

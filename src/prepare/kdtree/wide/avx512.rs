@@ -5,7 +5,7 @@ use super::super::batch::RayBatch;
 use super::super::block::{Block, words_of};
 use super::super::slab::GROWTH;
 use super::WideTree;
-use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BEYOND_GROWTH, BEYOND_UNDERFLOW, BoxRay, Job, Kernel, UPPER};
+use super::kernel::{BEHIND_ERROR, BEHIND_UNDERFLOW, BEYOND_UNDERFLOW, BoxRay, Job, Kernel, UPPER, reach};
 use super::node::{WIDTH, WideNode};
 use super::stack::Stack;
 use super::{stream, traverse};
@@ -328,7 +328,7 @@ unsafe fn candidates(ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> 
         let least = _mm512_fnmadd_ps(size, error, _mm512_sub_ps(forward, underflow));
         let sizes = _mm512_add_ps(_mm512_add_ps(u_size, v_size), w_size);
         let det = _mm512_add_ps(_mm512_abs_ps(det), _mm512_set1_ps(BEYOND_UNDERFLOW));
-        let reach = _mm512_set1_ps(end * ray.dir_z.abs() * BEYOND_GROWTH);
+        let reach = _mm512_set1_ps(reach(ray, end));
         let beyond = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(least, _mm512_mul_ps(reach, _mm512_fmadd_ps(sizes, error, det)));
         let ids = _mm512_loadu_si512(base.add(words_of(len, pool) - len).cast());
         let out = _mm512_cmpeq_epi32_mask(ids, _mm512_set1_epi32(barred as i32));

@@ -35,7 +35,14 @@ pub const BEHIND_UNDERFLOW: f32 = 1e-30;
 /// What underflow may take away from the denominator, and more.
 pub const BEYOND_UNDERFLOW: f32 = 1e-36;
 /// One, and what rounding may do to the comparison of a numerator with a denominator times the ray's end.
-pub const BEYOND_GROWTH: f32 = 1.0 + 16.0 / 16_777_216.0;
+const BEYOND_GROWTH: f32 = 1.0 + 16.0 / 16_777_216.0;
+
+/// How far a ray reaches along z up to `end`: never too small.
+#[inline(always)]
+pub fn reach(ray: &ShearedRay, end: f32) -> f32 {
+    // Below the normal numbers, rounding is not relative.
+    end * ray.dir_z.abs() * BEYOND_GROWTH + f32::MIN_POSITIVE
+}
 
 impl BoxRay {
     /// Prepares a ray.
