@@ -55,7 +55,7 @@ fn what_is_met_first_ends_the_render() {
     assert_eq!(line["outputs"][0]["target_met"], false);
     assert_eq!(line["warnings"][0]["code"], "error-not-met");
     // By itself an error that is never met ends a render at last.
-    let (_, line) = render(dir.path(), &["--error", "0.0001", "--width", "8"]);
+    let (_, line) = render(dir.path(), &["--error", "0.0001"]);
     assert_eq!(
         (line["outputs"][0]["spp"].as_u64(), &line["warnings"][0]["code"]),
         (Some(4096), &"error-not-met".into())
