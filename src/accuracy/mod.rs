@@ -15,6 +15,7 @@ mod jackknife;
 mod pixels;
 mod progressive;
 mod relmse;
+mod said;
 mod schedule;
 mod specks;
 mod surroundings;

@@ -114,6 +114,7 @@ impl Kernel for Avx2 {
     }
 }
 
+/// Puts those children of a node on the stack that the ray enters up to `limit`, and says by their places in its order which they are.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
 fn open(ray: &BoxRay, node: &WideNode, limit: f32, stack: &mut Stack) -> u32 {
@@ -178,7 +179,7 @@ fn candidates(ray: &ShearedRay, block: &Block, barred: u32, end: f32) -> u32 {
     assert!(block.words.len() >= words_of(len, pool) + 16);
     let base = block.words.as_ptr().cast::<f32>();
     let [x, y, z] = ray.axes;
-    let origin = [0, 1, 2].map(|axis| _mm256_set1_ps(ray.origin[axis]));
+    let origin = ray.origin.map(|x| _mm256_set1_ps(x));
     let shears = [_mm256_set1_ps(ray.shear_x), _mm256_set1_ps(ray.shear_y)];
     let dir_z = _mm256_set1_ps(ray.dir_z);
     let mut points = [[_mm256_setzero_ps(); 3]; 4];
