@@ -16,33 +16,50 @@ pub struct CpuClock {
 pub struct Helpers {
     /// Called from a thread of the pool, that thread helps as well, and what it does is counted already.
     outside: bool,
-    nanoseconds: AtomicU64,
+    meter: CpuMeter,
 }
+
+/// CPU time of work that is spread over threads: each piece measures itself, so that waits, and the work of others that
+/// a waiting thread takes on, do not count.
+#[derive(Debug, Default)]
+pub struct CpuMeter(AtomicU64);
 
 impl CpuClock {
     /// Begins on the calling thread.
     pub fn begin() -> Self {
         let outside = rayon::current_thread_index().is_none();
-        let helpers = Helpers { outside, nanoseconds: AtomicU64::new(0) };
+        let helpers = Helpers { outside, meter: CpuMeter::default() };
         Self { caller: ThreadTime::try_now().ok(), helpers }
     }
 
     /// CPU seconds of all threads so far. Call it on the thread that began.
     pub fn seconds(&self) -> f64 {
         let own = self.caller.and_then(|clock| clock.try_elapsed().ok()).map_or(0.0, |time| time.as_secs_f64());
-        own + 1e-9 * self.helpers.nanoseconds.load(Ordering::Relaxed) as f64
+        own + self.helpers.meter.seconds()
     }
 }
 
 impl Helpers {
     /// Does a part of the work on a thread of the pool.
     pub fn help<R>(&self, part: impl FnOnce() -> R) -> R {
-        let clock = ThreadTime::try_now().ok().filter(|_| self.outside);
-        let made = part();
+        if self.outside { self.meter.measure(part) } else { part() }
+    }
+}
+
+impl CpuMeter {
+    /// Does a piece of work, in which no thread waits for another, and counts its CPU time.
+    pub fn measure<R>(&self, work: impl FnOnce() -> R) -> R {
+        let clock = ThreadTime::try_now().ok();
+        let result = work();
         if let Some(time) = clock.and_then(|clock| clock.try_elapsed().ok()) {
-            self.nanoseconds.fetch_add(time.as_nanos() as u64, Ordering::Relaxed);
+            self.0.fetch_add(time.as_nanos() as u64, Ordering::Relaxed);
         }
-        made
+        result
+    }
+
+    /// CPU seconds so far.
+    pub fn seconds(&self) -> f64 {
+        self.0.load(Ordering::Relaxed) as f64 * 1e-9
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::bounds::{Bounds, MOST_TRIANGLES, Reference};
 use super::built::{Built, BuiltCell, BuiltKind};
-use super::cpu::CpuMeter;
 use super::deal::{Deal, Sides};
 use super::split::{BLOCK, Cell, MAX_DEPTH, Plane};
 use super::{BuildOptions, Triangles, median, references, sah, sah_simd, sampled};
+use crate::cpu_clock::CpuMeter;
 use crate::lanes::AnyLanes;
 use crate::settings::KdTreeBuilder;
 use kiln_formats::{Control, Stopped};

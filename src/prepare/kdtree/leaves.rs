@@ -8,9 +8,9 @@ use super::Triangles;
 use super::aligned::AlignedWords;
 use super::block::{self, Block, Indices, POOL, words_of};
 use super::built::{Built, BuiltKind};
-use super::cpu::CpuMeter;
 use super::split::BLOCK;
 use super::wide::collapse::Places;
+use crate::cpu_clock::CpuMeter;
 use rayon::prelude::*;
 
 /// Words of a grain, the unit in which places in the store are counted.

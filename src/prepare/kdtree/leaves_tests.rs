@@ -4,9 +4,9 @@ use super::Triangles;
 use super::block::POOL;
 use super::bounds::Bounds;
 use super::built::{Built, BuiltCell, BuiltKind};
-use super::cpu::CpuMeter;
 use super::leaves::{Contents, LeafStore, Planner};
 use super::wide::collapse::Places;
+use crate::cpu_clock::CpuMeter;
 use glam::Vec3;
 
 /// Forty-six triangles two by two, which share an edge, then as many alone.

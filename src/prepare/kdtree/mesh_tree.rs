@@ -1,8 +1,8 @@
 //! The tree over the triangles of one mesh, or of a whole scene, in all its forms.
 
 use super::bounds::Bounds;
-use super::cpu::CpuMeter;
 use super::{BuildOptions, Statistics, Triangles, binary, block, build, leaves, validate, wide};
+use crate::cpu_clock::CpuMeter;
 use crate::math::simd::SimdTier;
 use kiln_formats::{Control, Stopped};
 

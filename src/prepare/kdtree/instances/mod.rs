@@ -13,12 +13,12 @@ mod walk;
 
 use super::batch::RayBatch;
 use super::bounds::Bounds;
-use super::cpu::CpuMeter;
 use super::mesh_tree::MeshTree;
 use super::slab::{RELATIVE_ERROR, SlabRay};
 use super::wide::AnyKernel;
 use super::wide::node::WideNode;
 use super::{BuildOptions, Statistics, Triangles, binary};
+use crate::cpu_clock::CpuMeter;
 use crate::math::triangle::{Nearest, ShearedRay};
 use crate::math::{Hit, Placement, Ray};
 use glam::{DVec3, Vec3};
