@@ -164,3 +164,39 @@ pub(super) fn relative_spread(around: &Fields, center: &[Each; 4], epsilon: f64)
     }
     spread
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 21;
+    const HEIGHT: usize = 7;
+
+    /// Whole numbers, all different.
+    fn number(field: usize, x: usize, y: usize) -> f64 {
+        if x < WIDTH && y < HEIGHT { (1000 * field + 50 * y + x + 1) as f64 } else { 0.0 }
+    }
+
+    #[test]
+    fn sums_are_those_of_the_five_by_five_pixels_around() {
+        let mut around = Surroundings::new(WIDTH);
+        for told in 0..HEIGHT + RADIUS {
+            for first in (0..WIDTH).step_by(LANES) {
+                let fields: Fields =
+                    std::array::from_fn(|field| std::array::from_fn(|i| number(field, first + i, told)));
+                around.tell(first, &fields);
+            }
+            around.next();
+            let Some(y) = told.checked_sub(RADIUS) else { continue };
+            for x in 0..WIDTH {
+                let (first, i) = (x / LANES * LANES, x % LANES);
+                let near = |at: usize| at.saturating_sub(RADIUS)..at + RADIUS + 1;
+                for field in 0..FIELDS {
+                    let sum: f64 = near(y).flat_map(|v| near(x).map(move |u| number(field, u, v))).sum();
+                    assert_eq!(around.around(first)[field][i], sum, "field {field} at {x}, {y}");
+                }
+                assert_eq!(around.own(first)[OWN][i], number(OWN, x, y));
+            }
+        }
+    }
+}
