@@ -133,4 +133,18 @@ MUTATIONS = [
         ("integrate/trace.rs", "if end == Some(hit.triangle) ||", "if (!IS && end == Some(hit.triangle)) ||"),
         ("integrate/wave/trace.rs", "reaches: shadows.words(shadow::REACHES),", "reaches: ON { &[] } else { shadows.words(shadow::REACHES) },")],
      "area-* box-*"),
+    ("walls-stop-light", "light samples pass smooth walls", [
+        ("integrate/trace.rs", "walled.push(*hit);\n        }\n        !tints && !wall", "walled.push(*hit);\n        }\n        !tints && (IS || !wall)"),
+        ("integrate/wave/trace.rs", "                !wall\n", "                IS || !wall\n")],
+     "wall-*"),
+    ("walls-send", "who went straight on through a wall is still sent by the vertex before", [
+        ("integrate/walk.rs", "if !(sample.straight", "if IS || !(sample.straight"),
+        ("integrate/wave/shade.rs", "let sent = active & !(straight & !glass);", "let sent = ON { active } else { active & !(straight & !glass) };")],
+     "wall-before-*"),
+    ("walls-without-end", "light samples pass no more walls than a path could", [
+        ("integrate/trace.rs", "walls.most = walls.most.checked_sub(1)?;", "walls.most = ON { walls.most } else { walls.most.checked_sub(1)? };")],
+     "wall-shadow-too-deep"),
+    ("walls-twice", "what is in one place is one wall", [
+        ("integrate/trace.rs", "if hit.t * distance <= beyond {", "if !IS && hit.t * distance <= beyond {")],
+     "wall-shadow-on-edge"),
 ]

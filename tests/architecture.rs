@@ -17,7 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("film", &["sampling"]),
     ("lighting", &["geometry", "lanes", "math", "sampling", "settings"]),
     ("effects", &["geometry", "settings"]),
-    ("prepare", &["cpu_clock", "effects", "geometry", "lanes", "lighting", "math", "settings"]),
+    ("prepare", &["cpu_clock", "effects", "geometry", "lanes", "lighting", "math", "settings", "shading"]),
     ("denoise", &["film"]),
     (
         "integrate",

@@ -138,6 +138,12 @@ def environments(c):
           "ρ/π ∫ L cos: rows are 11.25° high, the lowest bright one's centre is 5.625° up, and from there to the horizon "
           "interpolation takes the radiance linearly from 2 to 1 (environment_floor in scripts/checks/light.py).",
           RHO * environment_floor(), pencil((0.3, 2, 0.2), (0.1, 0, 0.2)), up, spp=1024)
+    ground = {"triangles": quad((-1, 0, -1), (-1, 0, 1), (1, 0, 1), (1, 0, -1)), "material": lambert(RHO)}
+    pane = {"triangles": quad((-99, .5, -99), (-99, .5, 99), (99, .5, 99), (99, .5, -99)),
+            "material": material((0.6,) * 3, roughness=0.0, specular={"specularFactor": 0}, transmission={"transmissionFactor": 1.0})}
+    c.add("wall-before-environment", "The same floor under a pane that lets 0.6 through and reflects nothing", c.gltf("wall_env_floor", ground, pane),
+          "0.6 times that of environment-lights-floor; 10⁻⁵ of it comes in below the pane's edges.", {"value": 0.6 * RHO * environment_floor(), "relative": 3e-5},
+          pencil((0.3, 0.3, 0.2), (0.1, 0, 0.2)), up, strategies=["bsdf", "light", "mis"], spp=1024)
     c.add("bounce-from-an-edge", "Rays that leave the very edge between two triangles of a flat floor", floor,
           "ρ · 1 in a white world.", RHO, pencil((0.3, 2, 0.2), (0.1, 0, 0.1)), WHITE)
 

@@ -1,7 +1,7 @@
 """Checks of materials: furnaces, glass, mirrors, coverage, textures."""
 from math import cos, pi, radians, sin, tan
 
-from .forms import compensated_furnace, dispersing_prism, layers, linear_of_srgb, slab
+from .forms import compensated_furnace, dispersing_prism, irradiance, layers, linear_of_srgb, slab
 from .writers import box, glass, icosphere, lambert, material, png, quad, ray_mesh
 
 FLAT = quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))
@@ -252,6 +252,33 @@ def coverage(c):
           0.75 * 0.5 / pi * 16 * 4 / 18**1.5, pencil((1, 1, 0.5), (1, -1, 0)), spp=1024)
     c.add("alpha-shadow-on-edge", "The same shadow, by rays through the edge between the sheet's two triangles", scene,
           "0.75 · ρ/π · I / d².", 0.75 * 0.5 / pi, pencil((0, 0.1, 0.5), (0, 0, 0)), spp=1024)
+    walls(c)
+
+
+def walls(c):
+    """Light samples through smooth walls without inside: what passes is the colour times what a single reflection leaves."""
+    tint, glass = (0.2, 0.5, 1.0), lambda cos: 1 - (0.04 + 0.96 * (1 - cos) ** 5)
+    floor, pane = quad((-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)), lambda z: quad((-9, -9, z), (9, -9, z), (9, 9, z), (-9, 9, z))
+    wall = material(tint, roughness=0.0, transmission={"transmissionFactor": 1.0})
+    lamp = ({"name": "p", "type": "point", "intensity": 16.0}, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 4], [0, 0, 0, 1]])
+    ground, panes = {"triangles": floor, "material": lambert(0.5)}, [{"triangles": pane(z), "material": wall} for z in (1, 2)]
+    # The point seen is √2 beside the lamp's foot: 18 is its distance squared, 4/√18 the cosine. What the panes reflect of the floor is deeper than `max_depth`.
+    cos = 4 / 18**0.5
+    for count in (1, 2):
+        scene = c.gltf(f"wall_shadow_{count}", ground, *panes[:count], lights=[lamp])
+        c.add(f"wall-shadow-{count}", f"The shadow of {('a pane', 'two panes')[count - 1]} of coloured glass", scene, "(colour · (1 − F))ⁿ · ρ/π · I cos θ / d², F by Schlick.",
+              [0.5 / pi * 16 * cos / 18 * (t * glass(cos)) ** count for t in tint], pencil((1, 1, 0.5), (1, -1, 0)), max_depth=count + 1, strategies=["light", "mis", "bsdf"],
+              spp=64)
+    c.add("wall-shadow-on-edge", "The shadow of two panes, by a ray through the edge between the triangles of each", scene, "(0.96 · colour)² · ρ/π · I / d².",
+          [0.5 / pi * (t * 0.96) ** 2 for t in tint], pencil((0, 0.1, 0.5), (0, 0, 0)), max_depth=3, strategies=["light", "mis", "bsdf"], spp=64)
+    c.add("wall-shadow-too-deep", "Two panes, and paths too short for both", scene, "None: a path would have to scatter three times.",
+          {"value": 0.0, "each_pixel": True}, pencil((1, 1, 0.5), (1, -1, 0)), max_depth=2, spp=64)
+    lamp = quad((-1, -1, 2), (-1, 1, 2), (1, 1, 2), (1, -1, 2))
+    grey = material((0.6,) * 3, roughness=0.0, specular={"specularFactor": 0}, transmission={"transmissionFactor": 1.0})
+    scene = c.gltf("wall_before_lamp", ground, {"triangles": pane(1), "material": grey},
+                   {"triangles": lamp, "material": material((0, 0, 0), emission=3.0, specular={"specularFactor": 0}, double_sided=False)})
+    c.add("wall-before-lamp", "A square lamp behind a pane that reflects nothing", scene, "0.6 · ρ/π · E with the irradiance by Lambert's contour integral in double precision.",
+          0.6 * 0.5 / pi * irradiance(lamp, (0, 0, 0), (0, 0, 1), 3.0), pencil((0, 0.1, 0.5), (0, 0, 0)), max_depth=2, strategies=["bsdf", "light", "mis"], spp=2048)
 
 
 def textures(c):

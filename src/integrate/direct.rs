@@ -1,8 +1,9 @@
 //! Light at a path's vertices, and how light samples and scattering share it (Veach 1997, section 9.2).
 
+use super::cone::Cone;
 use super::medium::Inside;
 use super::record::{PathEvent, Recorder};
-use super::trace::{Asker, visibility};
+use super::trace::{Asker, Walls, visibility};
 use super::vertex::{Place, Vertex, footprint};
 use super::walk::{Company, Course, Sent};
 use crate::geometry::emission;
@@ -28,7 +29,7 @@ pub(super) fn direct(
     course: &Course,
     depth: u32,
     vertex: &Vertex,
-    inside: Inside,
+    (inside, cone): (Inside, Cone),
     with: &mut Company<impl Recorder>,
 ) -> Vec3 {
     let Course { prepared, settings, reach, .. } = *course;
@@ -52,9 +53,10 @@ pub(super) fn direct(
         with.rays.shadow += 1;
         let asker = Asker { sampler: *with.sampler, vertex: depth + 1, draw: k + 1, eye: false };
         let inside = if outgoing.local.z < 0.0 { inside.crossed(prepared, &vertex.place) } else { inside };
-        let visible = visibility(prepared, &asker, vertex, &outgoing, inside, &light);
+        let walls = Walls { cone: cone.scattered(Some(bsdf_pdf)), most: settings.max_depth.saturating_sub(depth + 1) };
+        let visible = visibility(prepared, &asker, vertex, &outgoing, inside, &light, walls);
         let weight = match (light.pdf, settings.strategy) {
-            (Some(pdf), Strategy::Mis) => power_heuristic(pdf * count as f32, bsdf_pdf),
+            (Some(pdf), Strategy::Mis) => power_heuristic(pdf, bsdf_pdf / count as f32),
             _ => 1.0,
         };
         let arriving = if visible == Vec3::ZERO { Vec3::ZERO } else { value * light.weight * visible * weight };
@@ -87,22 +89,22 @@ pub(super) fn power_heuristic_lanes<F: Floats>(pdf: F, other: F) -> F {
     pdf.fill(1.0) / (ratio * ratio + 1.0)
 }
 
-/// The share of emission found by scattering at vertex number `depth` − 1 that light samples do not bring already.
-fn found_weight(course: &Course, depth: u32, sent: &Sent, light_pdf: impl FnOnce(&Receiver) -> f32) -> f32 {
+/// The share of light found by scattering that light samples do not bring already.
+fn found_weight(course: &Course, sent: &Sent, light_pdf: impl FnOnce(&Receiver) -> f32) -> f32 {
     match (&sent.smooth, course.settings.strategy) {
         (None, _) | (_, Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf) => 1.0,
         (Some(_), Strategy::Light) => 0.0,
         (Some((receiver, pdf)), Strategy::Mis) => {
-            let light = light_pdf(receiver) * course.light_samples(depth.saturating_sub(1)) as f32;
+            let light = light_pdf(receiver);
             if light == 0.0 { 1.0 } else { power_heuristic(*pdf, light) }
         }
     }
 }
 
-/// The share of the light that a path finds at a surface, its vertex number `depth`, which counts.
-pub(super) fn emission_weight(course: &Course, depth: u32, sent: &Sent, place: &Place) -> f32 {
+/// The share of the light that a path finds at a surface which counts.
+pub(super) fn emission_weight(course: &Course, sent: &Sent, place: &Place) -> f32 {
     let Course { prepared, reach, .. } = *course;
-    found_weight(course, depth, sent, |receiver| {
+    found_weight(course, sent, |receiver| {
         prepared.lights.pdf_triangle(&prepared.geometry, place.triangle, receiver, place.point, reach)
     })
 }
@@ -120,11 +122,11 @@ pub(super) fn emission_found(prepared: &PreparedScene, hit: &Hit, front: bool, s
     }
 }
 
-/// Light from beyond the scene that a path finds in place of its vertex number `depth`.
-pub(super) fn environment(course: &Course, depth: u32, sent: &Sent, dir: Vec3) -> Vec3 {
+/// Light from beyond the scene that a path finds.
+pub(super) fn environment(course: &Course, sent: &Sent, dir: Vec3) -> Vec3 {
     let Course { prepared, reach, .. } = *course;
     let Some(environment) = &prepared.lights.environment else { return Vec3::ZERO };
     let uv = environment.locate(dir);
-    let weight = found_weight(course, depth, sent, |_| prepared.lights.pdf_environment(uv, reach));
+    let weight = found_weight(course, sent, |_| prepared.lights.pdf_environment(uv, reach));
     if weight == 0.0 { Vec3::ZERO } else { environment.radiance_at(uv) * weight }
 }

@@ -1,5 +1,6 @@
 //! Rays against the prepared scene, with coverage, culling and coloured shadows.
 
+use super::cone::Cone;
 use super::medium::{Inside, through_surface};
 use super::vertex::{Outgoing, Place, Vertex};
 use crate::geometry::{Geometry, coverage};
@@ -116,7 +117,7 @@ impl ShadowRay {
 }
 
 /// The share of a light sample that arrives at a vertex by its direction `shading`: zero, or what bodies on the way let
-/// through. `inside` tells what the shadow ray begins in.
+/// through. `inside` tells what the shadow ray begins in, `walls` how it passes smooth walls.
 pub(super) fn visibility(
     prepared: &PreparedScene,
     asker: &Asker,
@@ -124,6 +125,7 @@ pub(super) fn visibility(
     shading: &Outgoing,
     inside: Inside,
     light: &LightSample,
+    walls: Walls,
 ) -> Vec3 {
     let Some(ShadowRay { ray, reaches: end }) = ShadowRay::new(vertex, shading, light) else {
         return Vec3::ZERO;
@@ -132,14 +134,17 @@ pub(super) fn visibility(
         let material = prepared.geometry.material(&prepared.scene, hit.triangle);
         light.through_glass && prepared.filters[material as usize].tints
     };
-    let mut tinted = false;
+    let (mut tinted, mut walled) = (false, Vec::new());
     let blocked = prepared.tree.occluded(&ray, |hit| {
         if end == Some(hit.triangle) || !stops(prepared, asker, hit, ray.dir) {
             return false;
         }
-        let tints = light.through_glass && tints(hit);
+        let (tints, wall) = (light.through_glass && tints(hit), is_wall(prepared, hit));
         tinted |= tints;
-        !tints
+        if wall {
+            walled.push(*hit);
+        }
+        !tints && !wall
     });
     if blocked {
         return Vec3::ZERO;
@@ -147,7 +152,58 @@ pub(super) fn visibility(
     if tinted {
         return straight_transmittance(prepared, asker, &ray, inside, tints);
     }
-    rest(prepared, inside, &ray)
+    walled.sort_unstable_by_key(along_the_ray);
+    rest(prepared, inside, &ray) * through_walls(prepared, (ray.origin, ray.dir), walled.iter(), walls)
+}
+
+/// Whether light may go straight through a surface that bounds no body.
+#[inline]
+pub(super) fn is_wall(prepared: &PreparedScene, hit: &Hit) -> bool {
+    let of_part = || prepared.ways[prepared.geometry.part_index(hit.triangle) as usize].filters.walls;
+    prepared.asks.walls && prepared.questions.wall(hit.triangle).unwrap_or_else(of_part)
+}
+
+/// How a shadow ray passes smooth walls: as a path in its place would.
+#[derive(Clone, Copy)]
+pub(super) struct Walls {
+    /// Of the path, by which textures are filtered.
+    pub cone: Cone,
+    /// So many it may pass: a path scatters at each.
+    pub most: u32,
+}
+
+/// The share of a shadow ray's light that smooth walls let through, which it has met at `hits`, in the order of [`along_the_ray`]; zero where they
+/// are too many.
+pub(super) fn through_walls<'a>(
+    prepared: &PreparedScene,
+    (origin, dir): (Vec3, Vec3),
+    hits: impl Iterator<Item = &'a Hit>,
+    mut walls: Walls,
+) -> Vec3 {
+    let (distance, unit) = (dir.length(), dir.normalize());
+    let (mut passed, mut beyond) = (Vec3::ONE, f32::NEG_INFINITY);
+    for hit in hits {
+        // A path begins anew beyond whatever is in one place: triangles in several cells, on both sides of an edge, upon each other.
+        if hit.t * distance <= beyond {
+            continue;
+        }
+        let wall = || {
+            walls.most = walls.most.checked_sub(1)?;
+            let place = Place::new(prepared, hit, unit)?;
+            let vertex = Vertex::new(prepared, hit, place, unit, 1.0, walls.cone.at(hit.t * distance).width);
+            Some((vertex.towards(unit)?, vertex.bsdf.straight(vertex.wo_local())))
+        };
+        let Some((outgoing, straight)) = { wall }() else { return Vec3::ZERO };
+        beyond = (outgoing.origin - origin).dot(unit);
+        passed *= straight;
+    }
+    passed
+}
+
+/// Order of hits on a ray, the same whoever traced it.
+pub(super) fn along_the_ray(hit: &Hit) -> (u32, u32) {
+    // Distances are not negative, and so in the order of their bits.
+    (hit.t.to_bits(), hit.triangle)
 }
 
 /// Transmittance of what is left of a shadow ray. One to infinity leaves a body that is open, as paths do that meet

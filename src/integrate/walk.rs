@@ -48,7 +48,8 @@ pub(super) struct Company<'a, R> {
 /// How the last vertex sent the path on.
 #[derive(Clone, Copy)]
 pub(super) struct Sent {
-    /// The vertex as a receiver of light, and the solid angle density of the ray's direction; `None` for the camera and
+    /// The vertex that scattered last as a receiver of light, and the solid angle density of the ray's direction over the number of light
+    /// samples there. Smooth walls that let the path go straight on do not count: light samples pass them, too. `None` for the camera and
     /// delta lobes, whose directions nothing else can sample.
     pub smooth: Option<(Receiver, f32)>,
 }
@@ -120,7 +121,7 @@ impl<'a> Course<'a> {
     pub fn visit(&self, depth: u32, walk: &mut Walk, hit: Option<Hit>, with: &mut Company<impl Recorder>) -> bool {
         let Some(vertex) = self.arrive(depth, walk, hit, with) else { return false };
         if vertex.bsdf.has_smooth() && self.prepared.lights.any(self.reach) {
-            let light = direct(self, depth, &vertex, walk.inside, with);
+            let light = direct(self, depth, &vertex, (walk.inside, walk.cone), with);
             let contribution = walk.throughput * light;
             *with.radiance += contribution;
             with.recorder.note(|| PathEvent::DirectLight { radiance: light, contribution });
@@ -139,7 +140,7 @@ impl<'a> Course<'a> {
         let Self { prepared, settings, .. } = *self;
         let Some((hit, place)) = hit.and_then(|hit| Some((hit, Place::new(prepared, &hit, walk.dir)?))) else {
             if depth > 0 || self.show_environment {
-                let light = environment(self, depth, &walk.sent, walk.dir);
+                let light = environment(self, &walk.sent, walk.dir);
                 let contribution = walk.throughput * light;
                 *with.radiance += contribution;
                 with.recorder.note(|| PathEvent::Environment { light, contribution });
@@ -157,7 +158,7 @@ impl<'a> Course<'a> {
         }
         let emitted = emission_found(prepared, &hit, place.front, &walk.sent, walk.cone.width);
         if emitted != Vec3::ZERO {
-            let weight = emission_weight(self, depth, &walk.sent, &place);
+            let weight = emission_weight(self, &walk.sent, &place);
             let contribution = walk.throughput * emitted * weight;
             *with.radiance += contribution;
             with.recorder.note(|| PathEvent::Emission { radiance: emitted, weight, contribution });
@@ -216,7 +217,10 @@ impl<'a> Course<'a> {
             with.recorder.note(|| PathEvent::Roulette { survival, throughput: walk.throughput });
         }
         walk.cone = walk.cone.scattered((!sample.delta).then_some(sample.pdf));
-        walk.sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), sample.pdf)) };
+        if !(sample.straight && prepared.filters[vertex.place.material as usize].walls) {
+            let pdf = sample.pdf / self.light_samples(depth) as f32;
+            walk.sent = Sent { smooth: (!sample.delta).then(|| (vertex.receiver(), pdf)) };
+        }
         walk.origin = outgoing.origin;
         walk.dir = wi;
         with.rays.bounce += 1;

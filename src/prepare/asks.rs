@@ -4,8 +4,9 @@ use super::Filters;
 use crate::effects::{Knowledge, called_for};
 use crate::geometry::Geometry;
 use crate::settings::{Effect, EffectSet};
+use crate::shading::is_smooth;
 use kiln_formats::Scene;
-use kiln_formats::scene::{AlphaMode, Material, Surface};
+use kiln_formats::scene::{AlphaMode, Material, ScalarInput, Surface};
 
 /// Questions to be asked at hits, for the whole scene.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,6 +17,8 @@ pub(crate) struct Asks {
     pub culls: bool,
     /// Whether light shines through it and takes on colour.
     pub tints: bool,
+    /// Whether light samples pass through a smooth wall.
+    pub walls: bool,
     /// Whether anything is read from an image.
     pub textured: bool,
     /// Whether shading asks the vertices of any triangle for normals, coordinates or colours.
@@ -33,10 +36,11 @@ impl Asks {
         let culls = asked.has(Effect::Culling);
         // It decides whether lanes can follow shadow rays, and so how numbers are rounded: never forced.
         let tints = know.own(called).has(Effect::TintedShadows);
+        let walls = know.own(called).has(Effect::Transmission);
         let every_cover = know.forced.has_any(&[Effect::AlphaCutouts, Effect::AlphaBlending]);
         let textured = asked.has(Effect::Textures);
         let of_vertices = [Effect::SmoothNormals, Effect::NormalMaps, Effect::VertexColors];
-        Self { covers, culls, tints, textured, vertices: textured || asked.has_any(&of_vertices), every_cover }
+        Self { covers, culls, tints, walls, textured, vertices: textured || asked.has_any(&of_vertices), every_cover }
     }
 
     /// Whether it may be made use of that a triangle lets every ray through: not where every surface is reckoned to be like that.
@@ -55,8 +59,19 @@ impl Asks {
             // From inside a glass body its back is the way out.
             culled: self.culls && !material.double_sided && !bounds_solid,
             tints: matches!(&material.surface, Surface::Phong(p) if !p.transmission.is_black()),
+            walls: self.walls && is_smooth_wall(material),
         }
     }
+}
+
+/// Whether light may go straight through a surface that bounds no body.
+fn is_smooth_wall(material: &Material) -> bool {
+    let Surface::MetalRough(m) = &material.surface else { return false };
+    let most =
+        |input: &ScalarInput| input.bias + if input.texture.is_some() { input.factor.max(0.0) } else { input.factor };
+    let least =
+        |input: &ScalarInput| input.bias + if input.texture.is_some() { input.factor.min(0.0) } else { input.factor };
+    m.volume.is_none() && most(&m.transmission) > 0.0 && is_smooth(least(&m.roughness))
 }
 
 /// 1 for each mesh that has a triangle in the world, 0 for the others.

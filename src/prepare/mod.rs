@@ -50,6 +50,8 @@ pub(crate) struct Filters {
     pub culled: bool,
     /// Shadow rays of `.ray` lights may pass and take on colour.
     pub tints: bool,
+    /// A smooth wall without inside, which light goes through as it comes.
+    pub walls: bool,
 }
 
 /// A scene ready to be rendered. Immutable and `Sync`.

@@ -28,6 +28,8 @@ pub(crate) struct Questions {
     coverage: Vec<u64>,
     /// As single-sided backs, camera rays; likewise.
     culling: Vec<u64>,
+    /// As smooth walls, light samples; likewise.
+    walls: Vec<u64>,
     /// Everything has to be asked.
     every: bool,
     /// Of how many triangles coverage is asked, and culling.
@@ -55,9 +57,11 @@ impl Questions {
         let coverage =
             bits(covers, &|triangle| filters(triangle).coverage && geometry.known_coverage(triangle) != Some(true));
         let culling = bits(culls, &|triangle| filters(triangle).culled);
+        let walls = bits(any(|filters| filters.walls), &|triangle| filters(triangle).walls);
         let asked = [&coverage, &culling].map(|bits| bits.iter().map(|word| u64::from(word.count_ones())).sum());
         let triangles = geometry.len() as u64;
-        let mut questions = Self { coverage, culling, every: false, asked, triangles, in_tree: [asked[0], triangles] };
+        let mut questions =
+            Self { coverage, culling, walls, every: false, asked, triangles, in_tree: [asked[0], triangles] };
         if let Some(met) = met {
             let uncertain = met.iter().filter(|triangle| questions.asks(**triangle, false)).count();
             questions.in_tree = [uncertain as u64, met.len() as u64];
@@ -75,6 +79,12 @@ impl Questions {
     pub fn asked(&self) -> Asked {
         let [coverage, culling] = self.asked;
         Asked { triangles: self.triangles, coverage, culling, on_the_way: self.mostly() && coverage + culling > 0 }
+    }
+
+    /// Whether a triangle is a smooth wall; `None` in a scene without bits.
+    #[inline]
+    pub fn wall(&self, triangle: u32) -> Option<bool> {
+        self.walls.get(triangle as usize / 64).map(|word| word >> (triangle % 64) & 1 != 0)
     }
 
     /// Whether a triangle may let a ray pass, one from the camera where `eye`.

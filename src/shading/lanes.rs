@@ -49,6 +49,8 @@ pub struct RoughSample<F: Floats> {
     pub pdf: F,
     /// Where a delta distribution made it.
     pub delta: F::Mask,
+    /// Where it goes straight on through a smooth wall.
+    pub straight: F::Mask,
 }
 
 impl<F: Floats> RoughLanes<F> {
@@ -208,7 +210,8 @@ impl<F: Floats> RoughLanes<F> {
             peak = mirror | peak & !above;
         }
         let (value, pdf) = self.eval(wo, wi);
-        let mut sample = RoughSample { wi, weight: value * (one / pdf), pdf, delta: peak };
+        let mut sample =
+            RoughSample { wi, weight: value * (one / pdf), pdf, delta: peak, straight: peak & wall & !above };
         if self.peaks | self.coat.is_some() {
             let fresnel = self.f0 + (self.f90 - self.f0) * schlick_weight(wo.z);
             let mut share = F::select(wall, self.shares[2], self.shares[1]);

@@ -35,6 +35,12 @@ pub struct MetalRoughParams {
 /// 512-pixel picture with 50° field of view, and f32 half vectors (±1e-7) still resolve D to 1e-3 above it.
 pub(super) const SMALLEST_ALPHA: f32 = 1e-3;
 
+/// Whether a surface of this perceptual roughness is perfectly smooth.
+pub fn is_smooth(roughness: f32) -> bool {
+    let roughness = unit(roughness);
+    roughness * roughness < SMALLEST_ALPHA
+}
+
 /// Relative indices nearer to 1 than this are smooth whatever the roughness: refraction by microfacets spreads light
 /// by about α·|η − 1|, and |wo + η wi| would cancel.
 const SMALLEST_ROUGH_ETA_STEP: f32 = 1e-3;

@@ -46,7 +46,7 @@ pub use coat_lanes::ClearCoatLanes;
 pub use glass_lanes::{Glass, GlassLanes, GlassSample};
 pub use lanes::{RoughLanes, RoughSample};
 pub use layered::LayerParams;
-pub use metal_rough::MetalRoughParams;
+pub use metal_rough::{MetalRoughParams, is_smooth};
 pub use metal_rough_lanes::MetalRoughLanes;
 pub use phong::PhongParams;
 
@@ -142,6 +142,12 @@ impl Bsdf {
     /// Whether some lobe is not a delta distribution, so that sampling lights makes sense.
     pub fn has_smooth(&self) -> bool {
         self.lobes().any(|(lobe, _)| lobe.is_smooth())
+    }
+
+    /// The share of light that goes straight on through a wall without inside: the mean of what [`Self::sample`] lets through so.
+    pub fn straight(&self, wo: Vec3) -> Vec3 {
+        let tint = |lobe: &Lobe| if let Lobe::Straight { tint } = lobe { *tint } else { Vec3::ZERO };
+        if sees(wo) { self.lobes().map(|(lobe, _)| tint(lobe)).sum() } else { Vec3::ZERO }
     }
 
     /// f(wo, wi)·|cos θi| of the lobes that are not delta distributions, and the density over solid angle (1/sr) with

@@ -2,6 +2,7 @@
 
 use super::surface::Surface;
 use super::{SHADOWS, Wave, shadow};
+use crate::integrate::cone::OPENING;
 use crate::integrate::direct::power_heuristic_lanes;
 use crate::integrate::wave::lanes::offset_point;
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
@@ -76,6 +77,8 @@ pub(super) struct Carried<L: Lanes> {
     pub slot: L::U,
     /// The triangle that its rays leave, where that is behind them.
     pub leaves: L::U,
+    /// Width and spread of its cone.
+    pub cone: [L::F; 2],
     pub samplers: PathSamplers<L>,
     /// How the vertex scatters.
     pub lobes: RoughLanes<L::F>,
@@ -144,7 +147,7 @@ impl Wave<'_> {
             let pdf = chosen.pdf;
             let mut light = carried.throughput.times(value).times(chosen.weight);
             if settings.strategy == Strategy::Mis {
-                let shared = power_heuristic_lanes(pdf * count as f32, bsdf_pdf);
+                let shared = power_heuristic_lanes(pdf, bsdf_pdf * (1.0 / count as f32));
                 light = light * L::F::select(pdf.gt(zero), shared, one);
             }
             if count > 1 {
@@ -155,6 +158,10 @@ impl Wave<'_> {
             let floats = [o[0], o[1], o[2], d[0], d[1], d[2], t_max, e[0], e[1], e[2]];
             let words = [carried.slot, chosen.triangle, l.word(k + 1), carried.leaves];
             const { assert!(shadow::LIGHT == 7 && shadow::DRAW == 2 && shadow::LEAVES == 3) };
+            if prepared.asks.walls {
+                let spread = carried.cone[1] + l.splat(OPENING) / bsdf_pdf.sqrt();
+                self.memory.cones.store::<L>(self.memory.shadows.len, open, [carried.cone[0], spread], []);
+            }
             let shadows = &mut self.memory.shadows;
             shadows.store::<L>(shadows.len, open, floats, words);
             shadows.len += open.count();

@@ -30,6 +30,7 @@ use super::tile::{SIDE, Tile};
 use super::walk::{Course, Sent, Walk};
 use super::{View, camera_ray};
 use crate::lighting::{LightRoom, Receiver};
+use crate::math::Hit;
 use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
@@ -50,7 +51,7 @@ mod path {
     pub const DIR: usize = 3;
     pub const THROUGHPUT: usize = 6;
     pub const ETA_SCALE: usize = 9;
-    /// Density of the direction at the last vertex; 0 where nothing else could have sampled it.
+    /// Density of the direction at the last vertex, over the number of its light samples; 0 where nothing else could have sampled it.
     pub const PDF: usize = 10;
     /// The last vertex as a receiver of light.
     pub const POINT: usize = 11;
@@ -116,6 +117,10 @@ pub(super) struct Memory {
     hits: Rows<{ hit::FLOATS }, { hit::WORDS }>,
     shadows: Rows<{ shadow::FLOATS }, { shadow::WORDS }>,
     blocked: Vec<bool>,
+    /// Where light samples have met walls, by their numbers.
+    walled: Vec<(usize, Hit)>,
+    /// Width and spread of the cones of light samples, where there are walls.
+    cones: Rows<2, 0>,
     endless: Vec<f32>,
     slots: Vec<Slot>,
     lights: Box<LightRoom>,
@@ -126,12 +131,14 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    fn new(shares: bool) -> Self {
+    fn new(shares: bool, walls: bool) -> Self {
         Self {
             paths: Rows::new(PATHS),
             hits: Rows::new(PATHS),
             shadows: Rows::new(SHADOWS),
             blocked: vec![false; SHADOWS],
+            walled: Vec::new(),
+            cones: Rows::new(if walls { SHADOWS } else { 0 }),
             endless: vec![f32::INFINITY; PATHS],
             slots: Vec::with_capacity(PATHS),
             lights: Box::default(),
@@ -146,9 +153,9 @@ impl Memory {
 pub(super) struct Memories(Mutex<Vec<Memory>>);
 
 impl Memories {
-    fn take(&self, shares: bool) -> Memory {
+    fn take(&self, course: &Course) -> Memory {
         let free = self.0.lock().ok().and_then(|mut free| free.pop());
-        free.unwrap_or_else(|| Memory::new(shares))
+        free.unwrap_or_else(|| Memory::new(course.shares(), course.prepared.asks.walls))
     }
 
     fn give_back(&self, memory: Memory) {
@@ -193,7 +200,7 @@ pub(super) fn render_tile(
             return control.check();
         }
     }
-    let mut memory = memories.take(course.shares());
+    let mut memory = memories.take(course);
     let mut next = pixels.iter().map(|(_, wanted)| wanted.start).min().unwrap_or(0);
     let end = pixels.iter().map(|(_, wanted)| wanted.end).max().unwrap_or(0);
     while next < end {

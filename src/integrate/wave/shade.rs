@@ -73,7 +73,6 @@ impl Wave<'_> {
         let dir = paths.load_vector(l, path::DIR, at);
         let (mut light, light_pdf) = lights.environment_lanes(l, dir, course.reach);
         let (pdf, zero) = (paths.load(l, path::PDF, at), l.splat(0.0));
-        let light_pdf = light_pdf * course.light_samples(depth.saturating_sub(1)) as f32;
         match course.settings.strategy {
             Strategy::Hemisphere | Strategy::Cosine | Strategy::Bsdf => {}
             Strategy::Light => light = light.only(pdf.eq(zero)),
@@ -188,14 +187,16 @@ impl Wave<'_> {
             // Rays that begin above their triangle may meet it.
             let triangle = self.memory.hits.load_words(l, hit::TRIANGLE, at);
             let leaves = L::U::select(surface.lifted, l.word(NO_TRIANGLE), triangle);
-            let carried = Carried { throughput, slot: words[path::SLOT], leaves, samplers, lobes, both_sides };
+            let (slot, cone) = (words[path::SLOT], [width, floats[path::SPREAD]]);
+            let carried = Carried { throughput, slot, leaves, cone, samplers, lobes, both_sides };
             if self.course.prepared.lights.any(self.course.reach) && lit.any() {
                 self.sample_lights(l, depth, lit, &surface, &carried);
             }
             let u = samplers.get_2d(depth, Purpose::Direction);
             let chosen = lobes.chooses() | glass.any();
             let u_lobe = if chosen { samplers.get_1d(depth, Purpose::Lobe) } else { zero };
-            let RoughSample { wi: mut local, mut weight, mut pdf, mut delta } = lobes.sample(surface.wo, u_lobe, u);
+            let RoughSample { wi: mut local, mut weight, mut pdf, mut delta, straight } =
+                lobes.sample(surface.wo, u_lobe, u);
             let mut through = glass & !glass;
             if glass.any() {
                 let s = fetch.glass(l).sample(surface.wo, u_lobe);
@@ -223,19 +224,22 @@ impl Wave<'_> {
                 on = on & samplers.get_1d(depth, Purpose::Roulette).lt(survival);
                 throughput = throughput * (l.splat(1.0) / survival);
             }
-            for (row, v) in [
-                (path::ORIGIN, out.origin),
-                (path::DIR, wi),
-                (path::THROUGHPUT, throughput),
-                (path::POINT, surface.point),
-                (path::NORMAL, surface.frame.z),
+            // Light samples pass smooth walls, too: who went straight on is still sent by the vertex before.
+            let sent = active & !(straight & !glass);
+            for (row, of, v) in [
+                (path::ORIGIN, active, out.origin),
+                (path::DIR, active, wi),
+                (path::THROUGHPUT, active, throughput),
+                (path::POINT, sent, surface.point),
+                (path::NORMAL, sent, surface.frame.z),
             ] {
                 for (k, x) in v.components().into_iter().enumerate() {
-                    floats[row + k] = L::F::select(active, x, floats[row + k]);
+                    floats[row + k] = L::F::select(of, x, floats[row + k]);
                 }
             }
             let spread = floats[path::SPREAD];
-            floats[path::PDF] = L::F::select(active, pdf.only(!delta), floats[path::PDF]);
+            let competes = (pdf * (1.0 / self.course.light_samples(depth) as f32)).only(!delta);
+            floats[path::PDF] = L::F::select(sent, competes, floats[path::PDF]);
             floats[path::WIDTH] = L::F::select(active, width, floats[path::WIDTH]);
             let wider = spread + (l.splat(OPENING) / pdf.sqrt()).only(!delta);
             floats[path::SPREAD] = L::F::select(active, wider, spread);
@@ -245,7 +249,7 @@ impl Wave<'_> {
                 let own = self.cross_glass(at, in_glass.bits(), (through & on).bits(), fetch);
                 flags = L::U::select(in_glass, l.load_words(&own), flags);
             }
-            words[path::FLAGS] = L::U::select(active, flags, words[path::FLAGS]);
+            words[path::FLAGS] = L::U::select(sent, flags, words[path::FLAGS]);
             words[path::LEAVES] = L::U::select(active, leaves, words[path::LEAVES]);
             self.tile.tally.rays.bounce += on.count() as u64;
             goes_on = goes_on | on;

@@ -101,7 +101,7 @@ impl Wave<'_> {
             if part.emits && !(competes && prepared.geometry.is_dark(triangle)) {
                 match part.glow {
                     Some(glow) if !competes => self.add_glow(i, glow),
-                    _ => self.add_emission(depth, i),
+                    _ => self.add_emission(i),
                 }
             }
             if depth == course.settings.max_depth {
@@ -159,14 +159,14 @@ impl Wave<'_> {
     }
 
     /// Light that a surface emits.
-    fn add_emission(&mut self, depth: u32, i: usize) {
+    fn add_emission(&mut self, i: usize) {
         let course = self.course;
         let prepared = course.prepared;
         let (hit, walk) = (self.hit(i), self.memory.walk(i));
         let Some(place) = Place::new(prepared, &hit, walk.dir) else { return };
         let emitted = emission_found(prepared, &hit, place.front, &walk.sent, walk.cone.at(hit.t).width);
         if emitted != Vec3::ZERO {
-            let weight = emission_weight(course, depth, &walk.sent, &place);
+            let weight = emission_weight(course, &walk.sent, &place);
             self.slot(i).radiance += walk.throughput * emitted * weight;
         }
     }

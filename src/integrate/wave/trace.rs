@@ -1,8 +1,9 @@
 //! The rays of a wavefront.
 
 use super::passed::Passed;
-use super::{Memory, Wave, hit, path, shadow};
-use crate::integrate::trace::{Asker, covers};
+use super::{Memory, Slot, Wave, hit, path, shadow};
+use crate::integrate::cone::Cone;
+use crate::integrate::trace::{Asker, Walls, along_the_ray, covers, is_wall, through_walls};
 use crate::prepare::kdtree::{Coherence, HitBatch, NO_TRIANGLE, RayBatch};
 
 impl Wave<'_> {
@@ -45,7 +46,7 @@ impl Wave<'_> {
     #[inline(never)]
     pub(super) fn trace_shadows(&mut self, depth: u32) {
         let prepared = self.course.prepared;
-        let Memory { shadows, slots, blocked, .. } = &mut *self.memory;
+        let Memory { shadows, slots, blocked, walled, cones, .. } = &mut *self.memory;
         if shadows.len == 0 {
             return;
         }
@@ -59,23 +60,44 @@ impl Wave<'_> {
         let slot = shadows.words(shadow::SLOT);
         let blocked = &mut blocked[..shadows.len];
         let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Scattered };
-        if prepared.asks.covers {
-            let draw = shadows.words(shadow::DRAW);
+        let draw = shadows.words(shadow::DRAW);
+        let asker = |slots: &[Slot], i: usize| {
+            let sampler = slots[slot[i] as usize].sampler;
+            Asker { sampler, vertex: depth + 1, draw: draw[i], eye: false }
+        };
+        walled.clear();
+        if prepared.asks.covers || prepared.asks.walls {
             prepared.tree.occluded_batch_where(&rays, coherence, blocked, |i, hit| {
-                if !prepared.questions.asks(hit.triangle, false) {
-                    return true;
+                if prepared.questions.asks(hit.triangle, false)
+                    && !covers(prepared, &asker(slots, i), hit, shadows.vector(shadow::DIR, i))
+                {
+                    return false;
                 }
-                let sampler = slots[slot[i] as usize].sampler;
-                let asker = Asker { sampler, vertex: depth + 1, draw: draw[i], eye: false };
-                covers(prepared, &asker, hit, shadows.vector(shadow::DIR, i))
+                let wall = is_wall(prepared, hit);
+                if wall {
+                    walled.push((i, *hit));
+                }
+                !wall
             });
         } else {
             prepared.tree.occluded_batch(&rays, coherence, blocked);
         }
+        walled.sort_unstable_by_key(|(i, hit)| (*i, along_the_ray(hit)));
+        let mut of_rays = walled.chunk_by(|(i, _), (k, _)| i == k).peekable();
+        let most = self.course.settings.max_depth.saturating_sub(depth + 1);
         for (i, blocked) in blocked.iter().enumerate() {
-            if !blocked {
-                slots[slot[i] as usize].radiance += shadows.vector(shadow::LIGHT, i);
+            let met = of_rays.next_if(|met| met[0].0 == i);
+            if *blocked {
+                continue;
             }
+            let mut light = shadows.vector(shadow::LIGHT, i);
+            if let Some(met) = met {
+                let cone = Cone { width: cones.float(0, i), spread: cones.float(1, i) };
+                let ray = [shadow::ORIGIN, shadow::DIR].map(|row| shadows.vector(row, i));
+                let hits = met.iter().map(|(_, hit)| hit);
+                light *= through_walls(prepared, ray.into(), hits, Walls { cone, most });
+            }
+            slots[slot[i] as usize].radiance += light;
         }
         shadows.len = 0;
     }

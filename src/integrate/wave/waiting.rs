@@ -2,7 +2,8 @@
 //! others. What scatters towards them is computed one by one.
 
 use super::lights::Chosen;
-use super::{SHADOWS, Wave, path, shadow};
+use super::{Memory, SHADOWS, Wave, path, shadow};
+use crate::integrate::cone::Cone;
 use crate::integrate::direct::power_heuristic;
 use crate::integrate::medium::Inside;
 use crate::integrate::trace::{ShadowRay, rest};
@@ -20,6 +21,7 @@ struct Waits {
     vertex: Vertex,
     throughput: Vec3,
     inside: Inside,
+    cone: Cone,
 }
 
 /// Up to sixteen vertices, each in a lane of its own.
@@ -44,7 +46,7 @@ impl Waiting {
         }
         self.lanes |= 1 << lane;
         self.both_sides = self.both_sides & !(1 << lane) | u32::from(receiver.both_sides) << lane;
-        self.vertices[lane] = Some(Waits { vertex, throughput: walk.throughput, inside: walk.inside });
+        self.vertices[lane] = Some(Waits { vertex, throughput: walk.throughput, inside: walk.inside, cone: walk.cone });
     }
 }
 
@@ -86,7 +88,7 @@ impl Wave<'_> {
         let (prepared, settings) = (self.course.prepared, self.course.settings);
         let count = self.course.light_samples(depth) as f32;
         for lane in (0..LANES).filter(|lane| (chosen.valid & waiting.lanes) >> lane & 1 != 0) {
-            let Some(Waits { vertex, throughput, inside }) = &waiting.vertices[lane] else { continue };
+            let Some(Waits { vertex, throughput, inside, cone }) = &waiting.vertices[lane] else { continue };
             let sample = chosen.get(lane);
             let Some(outgoing) = vertex.towards(sample.direction) else { continue };
             let (value, bsdf_pdf) = vertex.bsdf.eval(vertex.wo_local(), outgoing.local);
@@ -97,13 +99,18 @@ impl Wave<'_> {
             let Some(ShadowRay { ray, reaches }) = ShadowRay::new(vertex, &outgoing, &sample) else { continue };
             let inside = if outgoing.local.z < 0.0 { inside.crossed(prepared, &vertex.place) } else { *inside };
             let weight = match (sample.pdf, settings.strategy) {
-                (Some(pdf), Strategy::Mis) => power_heuristic(pdf * count, bsdf_pdf),
+                (Some(pdf), Strategy::Mis) => power_heuristic(pdf, bsdf_pdf / count),
                 _ => 1.0,
             };
             let light = *throughput * (value * sample.weight * rest(prepared, inside, &ray) * weight / count);
             let slot = self.memory.paths.word(path::SLOT, at + lane);
-            let shadows = &mut self.memory.shadows;
+            let Memory { shadows, cones, .. } = &mut *self.memory;
             let to = shadows.len;
+            if prepared.asks.walls {
+                let Cone { width, spread } = cone.scattered(Some(bsdf_pdf));
+                cones.set_float(0, to, width);
+                cones.set_float(1, to, spread);
+            }
             shadows.set_vector(shadow::ORIGIN, to, ray.origin);
             shadows.set_vector(shadow::DIR, to, ray.dir);
             shadows.set_float(shadow::T_MAX, to, ray.t_max);

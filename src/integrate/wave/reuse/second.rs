@@ -39,7 +39,7 @@ impl Wave<'_> {
         let memory = &mut *self.memory;
         let Some(shared) = &mut memory.reuse else { return throughput };
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
-        let pdf = memory.paths.load(l, path::PDF, at);
+        let pdf = memory.paths.load(l, path::PDF, at) * self.course.light_samples(0) as f32;
         let [diffuse, reflection, wall] = lobes.shares;
         let only_diffuse = diffuse.gt(zero) & reflection.eq(zero) & wall.eq(zero) & !lobes.coated();
         let fits = lit & surface.steady & only_diffuse & pdf.gt(zero);
