@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Breaks one numerical remedy at a time and tells which checks notice: `python3 scripts/mutate_checks.py WORK [NAME …|build]`.
+"""Breaks one numerical remedy at a time and tells which checks notice: `python3 scripts/mutate_checks.py WORK [NAME …|build|fit]`.
 
-Works on a copy of HEAD in the folder WORK, where every mutation of scripts/mutations.py is compiled in behind a switch (the
+`fit` only looks whether the code still has what they change. Works on a copy of HEAD in the folder WORK, where every mutation of scripts/mutations.py is compiled in behind a switch (the
 variable KILN_MUTATION), so that one build serves all. Prints a Markdown table. Checks that take long run only for the
 mutations that name them; where mutations are asked for by name, only the checks that these name. Both integrators run them: paths one by one, and side by side in lanes. Named checks must fail by both.
 """
@@ -29,8 +29,8 @@ LONG = 0.04
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def build(work):
-    """The program with every mutation behind its switch."""
+def mutated(work):
+    """A copy of the code with every mutation behind its switch."""
     copy = work / "kiln"
     subprocess.run(["rm", "-rf", copy], check=True)
     copy.mkdir(parents=True)
@@ -48,6 +48,12 @@ def build(work):
                 sys.exit(f"{name}: '{before}' is not in {file}")
             changed = re.sub(r"\bON\b", f"if {condition}", re.sub(r"\bIS\b", condition, after))
             path.write_text(text.replace(before, changed))
+    return copy
+
+
+def build(work):
+    """The program with every mutation behind its switch."""
+    copy = mutated(work)
     settings = ["--config", "profile.release.package.kiln.codegen-units=16"]
     subprocess.run(["cargo", *settings, "build", "--release", "--quiet"], cwd=copy, check=True,
                    env={**os.environ, "CARGO_TARGET_DIR": str(work / "target")})
@@ -107,6 +113,9 @@ def table(kiln, checks, names):
 
 if __name__ == "__main__":
     work = Path(sys.argv[1]).resolve()
+    if sys.argv[2:] == ["fit"]:
+        mutated(work)
+        sys.exit(0)
     program = build(work)
     if sys.argv[2:] == ["build"]:
         sys.exit(0)

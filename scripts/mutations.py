@@ -126,8 +126,8 @@ MUTATIONS = [
      "area-back-of-a-lamp"),
     ("solid-angle-never", "triangles nearby are sampled by solid angle", [
         ("lighting/area.rs", "let near = (middle", "let near = !IS && (middle"),
-        ("lighting/area_lanes.rs", "let near = self.near(l, emitter, [a, b, c], point) & active;",
-         "let near = ON { l.mask(0) } else { self.near(l, emitter, [a, b, c], point) & active };")],
+        ("lighting/area_lanes.rs", "let near = (middle - point).length_squared().lt(near2) & active;",
+         "let near = ON { l.mask(0) } else { (middle - point).length_squared().lt(near2) & active };")],
      "area-noise-*"),
     ("light-stops-itself", "a shadow ray does not end on the light that it goes to", [
         ("integrate/trace.rs", "if end == Some(hit.triangle) ||", "if (!IS && end == Some(hit.triangle)) ||"),
