@@ -3,11 +3,28 @@
 use crate::Control;
 use cpu_time::ThreadTime;
 use rayon::prelude::*;
+use std::cmp::Reverse;
 
 /// What `one` makes of each item, in their order, on the current rayon pool. `control` is told of the CPU time of the pool's threads.
 pub fn map<T: Sync, R: Send>(items: &[T], control: &Control, one: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let clock = Clock::of(control);
     items.par_iter().with_max_len(1).map(|item| clock.time(|| one(item))).collect()
+}
+
+/// As [`map`], but threads take those that cost most first: one that takes long then does not keep all waiting in the end.
+pub fn map_costly<T: Sync, R: Send>(
+    items: &[T],
+    control: &Control,
+    cost: impl Fn(&T) -> usize,
+    one: impl Fn(&T) -> R + Sync,
+) -> Vec<R> {
+    let clock = Clock::of(control);
+    let mut order: Vec<usize> = (0..items.len()).collect();
+    order.sort_by_key(|i| Reverse(cost(&items[*i])));
+    let made = order.into_iter().par_bridge().map(|i| (i, clock.time(|| one(&items[i]))));
+    let mut made: Vec<(usize, R)> = made.collect();
+    made.sort_unstable_by_key(|(i, _)| *i);
+    made.into_iter().map(|(_, made)| made).collect()
 }
 
 /// As [`map`], of items that are changed.
@@ -41,7 +58,22 @@ impl<'a> Clock<'a> {
 mod tests {
     use super::*;
     use std::hint::black_box;
+    use std::sync::Mutex;
     use std::time::{Duration, Instant};
+
+    #[test]
+    fn what_costs_most_comes_first_and_the_order_stays() {
+        let begun = Mutex::new(Vec::new());
+        let one = |item: &usize| {
+            begun.lock().expect("whole").push(*item);
+            item * 10
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+        let made = pool.install(|| map_costly(&[2, 7, 1, 7, 5], &Control::default(), |item| *item, one));
+        assert_eq!(made, [20, 70, 10, 70, 50]);
+        assert_eq!(begun.into_inner().expect("whole"), [7, 7, 5, 2, 1]);
+        assert!(map_costly(&[], &Control::default(), |item: &usize| *item, |item| *item).is_empty());
+    }
 
     #[test]
     fn the_time_of_helpers_is_told() {

@@ -237,7 +237,7 @@ impl<'a> Pictures<'a, '_> {
             self.control.advance(1);
             decoded
         };
-        let results = parallel::map(new, self.control, decode);
+        let results = parallel::map_costly(new, self.control, |(_, bytes)| bytes.len(), decode);
         for ((_, bytes), result) in new.iter().zip(results) {
             self.decoded.push(match result {
                 Ok(image) => {

@@ -200,7 +200,11 @@ fn decode(files: &[(Vec<u8>, &Map)], max_texels: u64, control: &Control) -> Resu
         })
     };
     // A lone image is not worth waking other threads.
-    let decoded = if files.len() > 1 { parallel::map(files, control, one) } else { files.iter().map(one).collect() };
+    let decoded = if files.len() > 1 {
+        parallel::map_costly(files, control, |(bytes, _)| bytes.len(), one)
+    } else {
+        files.iter().map(one).collect()
+    };
     control.check()?;
     Ok(decoded)
 }
