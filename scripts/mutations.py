@@ -134,8 +134,8 @@ MUTATIONS = [
         ("integrate/wave/trace.rs", "reaches: shadows.words(shadow::REACHES),", "reaches: ON { &[] } else { shadows.words(shadow::REACHES) },")],
      "area-* box-*"),
     ("walls-stop-light", "light samples pass smooth walls", [
-        ("integrate/trace.rs", "walled.push(*hit);\n        }\n        !tints && !wall", "walled.push(*hit);\n        }\n        !tints && (IS || !wall)"),
-        ("integrate/wave/trace.rs", "                !wall\n", "                IS || !wall\n")],
+        ("integrate/trace.rs", "        !tints && !wall\n", "        !tints && (IS || !wall)\n"),
+        ("integrate/wave/trace.rs", "!(is_wall(prepared, hit) && walled", "!(!IS && is_wall(prepared, hit) && walled")],
      "wall-*"),
     ("walls-send", "who went straight on through a wall is still sent by the vertex before", [
         ("integrate/walk.rs", "if !(sample.straight", "if IS || !(sample.straight"),

@@ -134,14 +134,17 @@ pub(super) fn visibility(
         let material = prepared.geometry.material(&prepared.scene, hit.triangle);
         light.through_glass && prepared.filters[material as usize].tints
     };
-    let (mut tinted, mut walled) = (false, Vec::new());
+    let (mut tinted, mut walled) = (false, Vec::<Hit>::new());
     let blocked = prepared.tree.occluded(&ray, |hit| {
         if end == Some(hit.triangle) || !stops(prepared, asker, hit, ray.dir) {
             return false;
         }
         let (tints, wall) = (light.through_glass && tints(hit), is_wall(prepared, hit));
         tinted |= tints;
-        if wall {
+        if wall && !walled.iter().any(|known| known.triangle == hit.triangle) {
+            if walled.len() >= most_triangles(walls.most) {
+                return true;
+            }
             walled.push(*hit);
         }
         !tints && !wall
@@ -152,8 +155,7 @@ pub(super) fn visibility(
     if tinted {
         return straight_transmittance(prepared, asker, &ray, inside, tints);
     }
-    walled.sort_unstable_by_key(along_the_ray);
-    rest(prepared, inside, &ray) * through_walls(prepared, (ray.origin, ray.dir), walled.iter(), walls)
+    rest(prepared, inside, &ray) * through_walls(prepared, (ray.origin, ray.dir), &mut walled, walls)
 }
 
 /// Whether light may go straight through a surface that bounds no body.
@@ -172,18 +174,24 @@ pub(super) struct Walls {
     pub most: u32,
 }
 
-/// The share of a shadow ray's light that smooth walls let through, which it has met at `hits`, in the order of [`along_the_ray`]; zero where they
-/// are too many.
-pub(super) fn through_walls<'a>(
+/// More triangles of walls than this are more than so many walls, whatever lies upon each other: a bound for memory and time.
+pub(super) fn most_triangles(most_walls: u32) -> usize {
+    16 * (most_walls as usize + 1)
+}
+
+/// The share of a shadow ray's light that smooth walls let through, which it has met at `hits`, each triangle once; zero where they are too many.
+pub(super) fn through_walls(
     prepared: &PreparedScene,
     (origin, dir): (Vec3, Vec3),
-    hits: impl Iterator<Item = &'a Hit>,
+    hits: &mut [Hit],
     mut walls: Walls,
 ) -> Vec3 {
+    // One order, whoever traced the ray. Distances are not negative, and so in the order of their bits.
+    hits.sort_unstable_by_key(|hit| (hit.t.to_bits(), hit.triangle));
     let (distance, unit) = (dir.length(), dir.normalize());
     let (mut passed, mut beyond) = (Vec3::ONE, f32::NEG_INFINITY);
     for hit in hits {
-        // A path begins anew beyond whatever is in one place: triangles in several cells, on both sides of an edge, upon each other.
+        // A path begins anew beyond whatever is in one place: triangles on both sides of an edge, or upon each other.
         if hit.t * distance <= beyond {
             continue;
         }
@@ -198,12 +206,6 @@ pub(super) fn through_walls<'a>(
         passed *= straight;
     }
     passed
-}
-
-/// Order of hits on a ray, the same whoever traced it.
-pub(super) fn along_the_ray(hit: &Hit) -> (u32, u32) {
-    // Distances are not negative, and so in the order of their bits.
-    (hit.t.to_bits(), hit.triangle)
 }
 
 /// Transmittance of what is left of a shadow ray. One to infinity leaves a body that is open, as paths do that meet

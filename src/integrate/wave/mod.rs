@@ -21,6 +21,7 @@ mod sort;
 mod surface;
 mod trace;
 mod waiting;
+mod walled;
 
 use super::camera::RayCamera;
 use super::cone::Cone;
@@ -30,7 +31,6 @@ use super::tile::{SIDE, Tile};
 use super::walk::{Course, Sent, Walk};
 use super::{View, camera_ray};
 use crate::lighting::{LightRoom, Receiver};
-use crate::math::Hit;
 use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
@@ -117,8 +117,7 @@ pub(super) struct Memory {
     hits: Rows<{ hit::FLOATS }, { hit::WORDS }>,
     shadows: Rows<{ shadow::FLOATS }, { shadow::WORDS }>,
     blocked: Vec<bool>,
-    /// Where light samples have met walls, by their numbers.
-    walled: Vec<(usize, Hit)>,
+    walled: walled::Walled,
     /// Width and spread of the cones of light samples, where there are walls.
     cones: Rows<2, 0>,
     endless: Vec<f32>,
@@ -137,7 +136,7 @@ impl Memory {
             hits: Rows::new(PATHS),
             shadows: Rows::new(SHADOWS),
             blocked: vec![false; SHADOWS],
-            walled: Vec::new(),
+            walled: walled::Walled::default(),
             cones: Rows::new(if walls { SHADOWS } else { 0 }),
             endless: vec![f32::INFINITY; PATHS],
             slots: Vec::with_capacity(PATHS),

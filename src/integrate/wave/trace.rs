@@ -3,7 +3,7 @@
 use super::passed::Passed;
 use super::{Memory, Slot, Wave, hit, path, shadow};
 use crate::integrate::cone::Cone;
-use crate::integrate::trace::{Asker, Walls, along_the_ray, covers, is_wall, through_walls};
+use crate::integrate::trace::{Asker, Walls, covers, is_wall, most_triangles, through_walls};
 use crate::prepare::kdtree::{Coherence, HitBatch, NO_TRIANGLE, RayBatch};
 
 impl Wave<'_> {
@@ -65,7 +65,8 @@ impl Wave<'_> {
             let sampler = slots[slot[i] as usize].sampler;
             Asker { sampler, vertex: depth + 1, draw: draw[i], eye: false }
         };
-        walled.clear();
+        let most = self.course.settings.max_depth.saturating_sub(depth + 1);
+        walled.begin(if prepared.asks.walls { blocked.len() } else { 0 });
         if prepared.asks.covers || prepared.asks.walls {
             prepared.tree.occluded_batch_where(&rays, coherence, blocked, |i, hit| {
                 if prepared.questions.asks(hit.triangle, false)
@@ -73,29 +74,23 @@ impl Wave<'_> {
                 {
                     return false;
                 }
-                let wall = is_wall(prepared, hit);
-                if wall {
-                    walled.push((i, *hit));
-                }
-                !wall
+                !(is_wall(prepared, hit) && walled.meet(i, hit, most_triangles(most)))
             });
         } else {
             prepared.tree.occluded_batch(&rays, coherence, blocked);
         }
-        walled.sort_unstable_by_key(|(i, hit)| (*i, along_the_ray(hit)));
-        let mut of_rays = walled.chunk_by(|(i, _), (k, _)| i == k).peekable();
-        let most = self.course.settings.max_depth.saturating_sub(depth + 1);
         for (i, blocked) in blocked.iter().enumerate() {
-            let met = of_rays.next_if(|met| met[0].0 == i);
             if *blocked {
                 continue;
             }
             let mut light = shadows.vector(shadow::LIGHT, i);
-            if let Some(met) = met {
+            if prepared.asks.walls
+                && let met = walled.of(i)
+                && !met.is_empty()
+            {
                 let cone = Cone { width: cones.float(0, i), spread: cones.float(1, i) };
                 let ray = [shadow::ORIGIN, shadow::DIR].map(|row| shadows.vector(row, i));
-                let hits = met.iter().map(|(_, hit)| hit);
-                light *= through_walls(prepared, ray.into(), hits, Walls { cone, most });
+                light *= through_walls(prepared, ray.into(), met, Walls { cone, most });
             }
             slots[slot[i] as usize].radiance += light;
         }
