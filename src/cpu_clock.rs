@@ -68,10 +68,11 @@ mod tests {
     use super::*;
     use rayon::prelude::*;
     use std::hint::black_box;
-    use std::time::{Duration, Instant};
+    use std::time::Duration;
 
+    /// Takes so much CPU time of this thread, however long that takes on a busy machine.
     fn busy(milliseconds: u64) {
-        let begin = Instant::now();
+        let begin = ThreadTime::now();
         while begin.elapsed() < Duration::from_millis(milliseconds) {
             black_box(begin);
         }
@@ -83,12 +84,12 @@ mod tests {
         let whole = CpuClock::begin();
         busy(40);
         share(&whole.helpers);
-        assert!((0.06..0.2).contains(&whole.seconds()), "{}", whole.seconds());
+        assert!((0.12..0.15).contains(&whole.seconds()), "{}", whole.seconds());
         let inside = rayon::scope(|_| {
             let clock = CpuClock::begin();
             clock.helpers.help(|| busy(40));
             clock.seconds()
         });
-        assert!((0.02..0.07).contains(&inside), "{inside}");
+        assert!((0.04..0.07).contains(&inside), "{inside}");
     }
 }
