@@ -6,7 +6,7 @@ use crate::geometry::Geometry;
 use crate::settings::{Effect, EffectSet};
 use crate::shading::is_smooth;
 use kiln_formats::Scene;
-use kiln_formats::scene::{AlphaMode, Material, ScalarInput, Surface};
+use kiln_formats::scene::{AlphaMode, Material, Surface};
 
 /// Questions to be asked at hits, for the whole scene.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,11 +67,7 @@ impl Asks {
 /// Whether light may go straight through a surface that bounds no body.
 fn is_smooth_wall(material: &Material) -> bool {
     let Surface::MetalRough(m) = &material.surface else { return false };
-    let most =
-        |input: &ScalarInput| input.bias + if input.texture.is_some() { input.factor.max(0.0) } else { input.factor };
-    let least =
-        |input: &ScalarInput| input.bias + if input.texture.is_some() { input.factor.min(0.0) } else { input.factor };
-    m.volume.is_none() && most(&m.transmission) > 0.0 && is_smooth(least(&m.roughness))
+    m.volume.is_none() && m.transmission.most() > 0.0 && is_smooth(m.roughness.least())
 }
 
 /// 1 for each mesh that has a triangle in the world, 0 for the others.

@@ -1,6 +1,7 @@
 //! Light that path tracing hardly finds, known from the scene alone.
 
-use kiln_formats::scene::{Extent, Light, LightKind, Material, ScalarInput, Scene, Surface};
+use crate::shading::is_smooth;
+use kiln_formats::scene::{Extent, Light, LightKind, Material, Scene, Surface};
 use std::collections::BTreeSet;
 use std::fmt;
 
@@ -9,8 +10,6 @@ use std::fmt;
 const SMOOTH: f32 = 0.25;
 /// The share of light that has to pass, or of metal, to be worth a word.
 const LEAST: f32 = 0.1;
-/// Surfaces that are smoother are perfectly smooth for the renderer: `shading::metal_rough::SMALLEST_ALPHA`.
-const PERFECT: f32 = 0.032;
 
 /// Light from where no path can end by chance, bent or mirrored by a surface that is smooth or nearly so: highlights smaller than a
 /// pixel, and caustics.
@@ -77,15 +76,12 @@ struct Way {
 fn sends(material: &Material, through_glass: bool) -> Option<Way> {
     match &material.surface {
         Surface::MetalRough(m) => {
-            let most = |input: &ScalarInput| {
-                input.bias + if input.texture.is_some() { input.factor.max(0.0) } else { input.factor }
-            };
-            let through = m.volume.is_some() && most(&m.transmission) >= LEAST;
-            let metal = most(&m.metallic) >= LEAST && m.metallic.texture.is_none() && m.roughness.texture.is_none();
-            let smooth = most(&m.roughness) <= SMOOTH;
+            let through = m.volume.is_some() && m.transmission.most() >= LEAST;
+            let metal = m.metallic.most() >= LEAST && m.metallic.texture.is_none() && m.roughness.texture.is_none();
+            let smooth = m.roughness.most() <= SMOOTH;
             (smooth && (through || metal)).then(|| Way {
                 through,
-                roughness: if most(&m.roughness) < PERFECT { 0.0 } else { most(&m.roughness) },
+                roughness: if is_smooth(m.roughness.most()) { 0.0 } else { m.roughness.most() },
             })
         }
         Surface::Phong(p) => {
@@ -100,7 +96,7 @@ fn sends(material: &Material, through_glass: bool) -> Option<Way> {
 mod tests {
     use super::*;
     use glam::{DAffine3, DVec3};
-    use kiln_formats::scene::{Falloff, Instance, Mesh, MetalRough, Volume};
+    use kiln_formats::scene::{Falloff, Instance, Mesh, MetalRough, ScalarInput, Volume};
 
     fn glass(roughness: f32, transmission: f32, solid: bool) -> Material {
         let clear = Volume { attenuation_color: [1.0; 3], attenuation_distance: f32::INFINITY };

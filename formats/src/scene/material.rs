@@ -55,6 +55,16 @@ impl ScalarInput {
     pub const fn constant(factor: f32) -> Self {
         Self { factor, texture: None, channel: Channel::R, bias: 0.0 }
     }
+
+    /// The least that it can be anywhere, whatever its texture says.
+    pub fn least(&self) -> f32 {
+        self.bias + if self.texture.is_some() { self.factor.min(0.0) } else { self.factor }
+    }
+
+    /// The most that it can be anywhere.
+    pub fn most(&self) -> f32 {
+        self.bias + if self.texture.is_some() { self.factor.max(0.0) } else { self.factor }
+    }
 }
 
 /// The inside of a closed body (KHR_materials_volume): Beer–Lambert absorption.
