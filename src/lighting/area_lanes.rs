@@ -1,6 +1,7 @@
 //! Points on emissive triangles, sixteen at a time.
 
-use super::{area, spherical};
+use super::area;
+use super::emitter::{Emitter, NearPoint};
 use crate::geometry::{Geometry, emission};
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
 use crate::math::float_error::gamma;
@@ -10,31 +11,38 @@ use kiln_formats::Scene;
 /// Emissive triangles: what [`area::sample`] reads of the geometry and the materials.
 #[derive(Debug, Default)]
 pub(super) struct AreaTable {
-    /// [`NUMBERS`] of each: corners, unit normal on the front, radiance, area, 1 where the back emits as well or else 0, and
-    /// [`area::near2`]. Of up to sixteen emitters the first number of each, then the second, and so on; of more than
-    /// that all of the first emitter, then those of the second.
+    /// [`NUMBERS`] of each: corners in the order of [`Half::corners`](super::emitter::Half::corners), unit normal on the front, radiance,
+    /// the area of its emitter if both halves were like it, negative where the back emits as well, and
+    /// [`Emitter::place`]. Of up to sixteen triangles the first number of each, then the second, and so on; of more than
+    /// that all of the first triangle, then those of the second.
     numbers: Vec<f32>,
     triangle: Vec<u32>,
+    /// Rows of each emitter's halves, the first one with [`PAIR`] where there are two; nothing if there are none of two.
+    halves: Vec<u32>,
     /// Whether any emits differently at different points: radiance is then looked up point by point.
     varied: bool,
 }
 
-/// Numbers of an emitter, and one for nothing.
+/// Numbers of a triangle.
 const NUMBERS: usize = 20;
+/// Marks emitters of two halves.
+const PAIR: u32 = 1 << 31;
 
-/// An emitter for each lane.
-struct Emitter<L: Lanes> {
+/// A triangle of an emitter for each lane.
+struct Row<L: Lanes> {
     corners: [V3<L::F>; 3],
     normal: V3<L::F>,
     radiance: V3<L::F>,
     area: L::F,
-    two_sided: L::F,
+    two_sided: L::M,
+    middle: V3<L::F>,
     near2: L::F,
 }
 
 /// What [`AreaTable::sample`] reads beside the table.
 #[derive(Clone, Copy)]
 pub(super) struct Emission<'a> {
+    pub emitters: &'a [Emitter],
     pub scene: &'a Scene,
     pub geometry: &'a Geometry,
 }
@@ -52,19 +60,28 @@ pub(super) struct AreaSamples<L: Lanes> {
 }
 
 impl AreaTable {
-    /// Of emissive triangles, in their order. `varied` tells whether any emits differently at different points.
-    pub fn new(scene: &Scene, geometry: &Geometry, triangles: &[u32], varied: bool) -> Self {
+    /// Of emitters, whose triangles are numbered by their rows. `varied` tells whether any emits differently at different points.
+    pub fn new(scene: &Scene, geometry: &Geometry, emitters: &[Emitter], triangles: &[u32], varied: bool) -> Self {
         let mut table = Self { triangle: triangles.to_vec(), varied, ..Self::default() };
-        for triangle in triangles {
-            let (corners, normal) = (geometry.corners(*triangle), area::normal(geometry, *triangle));
-            let middle = [1.0 / 3.0; 3];
-            let radiance = emission::radiance(scene, geometry, *triangle, middle, true);
-            let vectors = corners.into_iter().chain([normal, radiance]);
-            table.numbers.extend(vectors.flat_map(|v| v.to_array()));
-            let back = emission::radiance(scene, geometry, *triangle, middle, false);
-            let area = area::of(geometry, *triangle) as f32;
-            let two_sided = f32::from(u8::from(back != Vec3::ZERO));
-            table.numbers.extend([area, two_sided, area::near2(corners), 0.0, 0.0]);
+        table.numbers = vec![0.0; triangles.len() * NUMBERS];
+        let pairs = emitters.iter().any(Emitter::is_pair);
+        for emitter in emitters {
+            if pairs {
+                let [first, second] = emitter.halves.map(|half| half.row);
+                table.halves.extend([first | if emitter.is_pair() { PAIR } else { 0 }, second]);
+            }
+            let (middle, near2) = emitter.place(geometry);
+            for half in &emitter.halves {
+                let (triangle, thirds) = (half.triangle, [1.0 / 3.0; 3]);
+                let radiance = |front| emission::radiance(scene, geometry, triangle, thirds, front);
+                let area = area::of(geometry, triangle) as f32 / emitter.share();
+                let area = if radiance(false) == Vec3::ZERO { area } else { -area };
+                let [a, b, c] = half.corners(geometry);
+                let numbers = [a, b, c, area::normal(geometry, triangle), radiance(true)].map(|v| v.to_array());
+                let to = &mut table.numbers[half.row as usize * NUMBERS..][..NUMBERS];
+                to[..15].copy_from_slice(numbers.as_flattened());
+                to[15..].copy_from_slice(&[area, middle.x, middle.y, middle.z, near2]);
+            }
         }
         if triangles.len() <= LANES {
             table.transpose();
@@ -81,15 +98,15 @@ impl AreaTable {
     }
 
     #[inline(always)]
-    fn emitter<L: Lanes>(&self, l: L, emitter: L::U) -> Emitter<L> {
-        let at = emitter * NUMBERS as u32;
+    fn row<L: Lanes>(&self, l: L, row: L::U) -> Row<L> {
+        let at = row * NUMBERS as u32;
         let [a, b, c, d, e] = match <&[[f32; LANES]; NUMBERS]>::try_from(self.numbers.as_chunks().0) {
             Ok(rows) => [
-                of_rows(l, rows, 0, emitter),
-                of_rows(l, rows, 4, emitter),
-                of_rows(l, rows, 8, emitter),
-                of_rows(l, rows, 12, emitter),
-                of_rows(l, rows, 16, emitter),
+                of_rows(l, rows, 0, row),
+                of_rows(l, rows, 4, row),
+                of_rows(l, rows, 8, row),
+                of_rows(l, rows, 12, row),
+                of_rows(l, rows, 16, row),
             ],
             Err(_) => [
                 l.gather_four(&self.numbers, at),
@@ -99,14 +116,37 @@ impl AreaTable {
                 l.gather_four(&self.numbers, at + 16),
             ],
         };
-        Emitter {
+        Row {
             corners: [V3::new(a[0], a[1], a[2]), V3::new(a[3], b[0], b[1]), V3::new(b[2], b[3], c[0])],
             normal: V3::new(c[1], c[2], c[3]),
             radiance: V3::new(d[0], d[1], d[2]),
-            area: d[3],
-            two_sided: e[0],
-            near2: e[1],
+            area: d[3].abs(),
+            two_sided: d[3].lt(l.splat(0.0)),
+            middle: V3::new(e[0], e[1], e[2]),
+            near2: e[3],
         }
+    }
+
+    /// Rows and barycentric weights of points uniform over areas: as [`Emitter::sample_area`].
+    #[inline(always)]
+    fn sample_area<L: Lanes>(&self, l: L, emitter: L::U, [u, v]: [L::F; 2]) -> (L::U, [L::F; 3]) {
+        let one = l.splat(1.0);
+        let upper = v.gt(u);
+        let low = L::F::select(upper, u, v) * 0.5;
+        let high = L::F::select(upper, v, u) - low;
+        let b0 = L::F::select(upper, low, high);
+        let b1 = L::F::select(upper, high, low);
+        let alone = [b0, b1, one - b0 - b1];
+        if self.halves.is_empty() {
+            return (emitter, alone);
+        }
+        let [first, second] = [0, 1].map(|k| l.gather_words(&self.halves, emitter.shl::<1>() + k));
+        let pair = !first.lt(l.word(PAIR));
+        let flip = pair & (u + v).gt(one);
+        let (u, v) = (L::F::select(flip, one - u, u), L::F::select(flip, one - v, v));
+        let both = [one - u - v, u, v];
+        let weights = [0, 1, 2].map(|k| L::F::select(pair, both[k], alone[k]));
+        (L::U::select(flip, second, first & !PAIR), weights)
     }
 
     /// As [`area::sample`]. The radiance is zero where nothing is emitted.
@@ -120,26 +160,24 @@ impl AreaTable {
         u: [L::F; 2],
         active: L::M,
     ) -> AreaSamples<L> {
-        let Emitter { corners, normal, radiance, area, two_sided, near2 } = self.emitter(l, emitter);
-        let triangle = l.gather_words(&self.triangle, emitter);
-        let [a, b, c] = corners;
-        let middle = (a + b + c) * l.splat(1.0 / 3.0);
-        let near = (middle - point).length_squared().lt(near2) & active;
-        let upper = u[1].gt(u[0]);
-        let low = L::F::select(upper, u[0], u[1]) * 0.5;
-        let high = L::F::select(upper, u[1], u[0]) - low;
-        let b0 = L::F::select(upper, low, high);
-        let b1 = L::F::select(upper, high, low);
-        let mut weights = [b0, b1, l.splat(1.0) - b0 - b1];
+        let (mut row, mut weights) = self.sample_area(l, emitter, u);
+        let mut of = self.row(l, row);
+        let near = (of.middle - point).length_squared().lt(of.near2) & active;
         let mut spherical = l.splat(0.0);
         if near.any() {
-            let [seen, own @ ..] = each(l, near, [a, b, c], point, u);
-            let found = seen.gt(l.splat(0.0));
-            spherical = seen;
-            for (weight, own) in weights.iter_mut().zip(own) {
-                *weight = L::F::select(found, own, *weight);
+            let own = emission.each(near.bits(), &emitter.array(), &point.arrays(), &[u[0].array(), u[1].array()]);
+            spherical = l.load(&own.density);
+            let found = spherical.gt(l.splat(0.0));
+            for (weight, own) in weights.iter_mut().zip(&own.weights) {
+                *weight = L::F::select(found, l.load(own), *weight);
+            }
+            row = L::U::select(found, l.load_words(&own.row), row);
+            if !self.halves.is_empty() {
+                of = self.row(l, row);
             }
         }
+        let Row { corners: [a, b, c], normal, radiance, area, two_sided, .. } = of;
+        let triangle = l.gather_words(&self.triangle, row);
         let [a, b, c] = [a * weights[0], b * weights[1], c * weights[2]];
         let on_light = a + b + c;
         let to = on_light - point;
@@ -148,9 +186,10 @@ impl AreaTable {
         let direction = to / distance;
         let cosine = -direction.dot(normal);
         let front = cosine.gt(l.splat(0.0));
-        let back = cosine.lt(l.splat(0.0)) & two_sided.gt(l.splat(0.0));
+        let back = cosine.lt(l.splat(0.0)) & two_sided;
         let radiance = if self.varied {
             let usable = active & !cosine.eq(l.splat(0.0)) & direction.is_finite();
+            // Quadrilaterals, whose corners are in another order, emit the same everywhere.
             let weights = [weights[0].array(), weights[1].array(), weights[2].array()];
             l.load_vector(&emission.radiance(usable.bits(), front.bits(), &triangle.array(), &weights))
         } else {
@@ -192,40 +231,28 @@ impl Emission<'_> {
     }
 }
 
-/// Near triangles one by one, in double precision: the density, or 0 where the area is to be sampled, and the barycentric
-/// weights of the point. Where rounding leaves no point the density is infinite.
-#[inline(always)]
-fn each<L: Lanes>(l: L, near: L::M, corners: [V3<L::F>; 3], point: V3<L::F>, u: [L::F; 2]) -> [L::F; 4] {
-    let [a, b, c] = corners;
-    let found =
-        each_array(near.bits(), [a.arrays(), b.arrays(), c.arrays()], point.arrays(), [u[0].array(), u[1].array()]);
-    let [density, a, b, c] = &found;
-    [l.load(density), l.load(a), l.load(b), l.load(c)]
+/// Points on near emitters.
+struct Near {
+    /// Over solid angle; 0 where the area is to be sampled. Where rounding leaves no point it is infinite.
+    density: [f32; LANES],
+    weights: [[f32; LANES]; 3],
+    row: [u32; LANES],
 }
 
-#[inline(never)]
-fn each_array(
-    lanes: u32,
-    corners: [[[f32; LANES]; 3]; 3],
-    point: [[f32; LANES]; 3],
-    u: [[f32; LANES]; 2],
-) -> [[f32; LANES]; 4] {
-    let mut found = [[0.0; LANES]; 4];
-    for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-        let at = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-        let values = one(corners.each_ref().map(at), at(&point), [u[0][lane], u[1][lane]]);
-        for (row, value) in found.iter_mut().zip(values) {
-            row[lane] = value;
+impl Emission<'_> {
+    /// Near emitters one by one, in double precision.
+    #[inline(never)]
+    fn each(&self, lanes: u32, emitter: &[u32; LANES], point: &[[f32; LANES]; 3], u: &[[f32; LANES]; 2]) -> Near {
+        let mut found = Near { density: [0.0; LANES], weights: [[0.0; LANES]; 3], row: [0; LANES] };
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+            let emitter = &self.emitters[emitter[lane] as usize];
+            let point = Vec3::new(point[0][lane], point[1][lane], point[2][lane]);
+            let Some(own) = emitter.sample_near(self.geometry, point, [u[0][lane], u[1][lane]]) else { continue };
+            let nothing = NearPoint { half: 0, weights: [1.0, 0.0, 0.0], pdf: f32::INFINITY };
+            let NearPoint { half, weights, pdf } = own.unwrap_or(nothing);
+            (found.density[lane], found.row[lane]) = (pdf, emitter.halves[half].row);
+            (0..3).for_each(|k| found.weights[k][lane] = weights[k]);
         }
-    }
-    found
-}
-
-fn one(corners: [Vec3; 3], point: Vec3, u: [f32; 2]) -> [f32; 4] {
-    let Some(seen) = area::spherical(corners, point) else { return [0.0; 4] };
-    let weights = seen.sample(u).and_then(|direction| spherical::weights(corners, point, direction));
-    match weights {
-        Some([a, b, c]) => [(1.0 / seen.solid_angle) as f32, a, b, c],
-        None => [f32::INFINITY, 1.0, 0.0, 0.0],
+        found
     }
 }

@@ -2,6 +2,7 @@ use super::Environment;
 use super::bounds::EmitterBounds;
 use super::clusters::{Clusters, Receiver};
 use super::distribution::Discrete;
+use super::emitter::Emitter;
 use super::lights_lanes::LanesTables;
 use super::punctual::PunctualLight;
 use super::sample::{Group, LightReach, LightSample, Target};
@@ -19,8 +20,7 @@ use std::f32::consts::PI;
 const UNIFORM_SHARE: f64 = 0.1;
 
 /// Up to so many emitters are chosen by the first of the two numbers of the point on them, which is then stretched over the
-/// emitter's share: numbers that are well distributed together stay so on each emitter, and over the two halves of a
-/// rectangle. Among more emitters too few of a number's bits would be left for the point.
+/// emitter's share: numbers that are well distributed together stay so on each emitter. Among more emitters too few of a number's bits would be left for the point.
 const FEW: usize = 64;
 
 /// All emitters of a scene, with a way to choose among them.
@@ -33,12 +33,16 @@ pub struct Lights {
     pub(super) punctual: Vec<PunctualLight>,
     pub(super) global: usize,
     /// Over `punctual[global..]`.
-    local: Clusters,
+    pub(super) local: Clusters,
     /// Emissive triangles in ascending order.
     pub(super) triangles: Vec<u32>,
-    /// Over `triangles`.
+    /// What is chosen among: all of them, some two by two.
+    pub(super) emitters: Vec<Emitter>,
+    /// The emitter of each of `triangles`.
+    emitter_of: Vec<u32>,
+    /// Over `emitters`.
     pub(super) clusters: Clusters,
-    /// For each part of the geometry the index of its first emitter in `triangles`, or `None`.
+    /// For each part of the geometry the index of its first one in `triangles`, or `None`.
     first_of_part: Vec<Option<u32>>,
     /// The environment.
     pub environment: Option<Environment>,
@@ -75,7 +79,7 @@ impl Lights {
         let emits = |triangle| sources[geometry.material(scene, triangle) as usize].is_some();
         let hidden = duplicates::hidden(geometry, emits, |triangle| covers(scene, geometry, triangle));
         let mut last_part = None;
-        let mut bounds = Vec::new();
+        let mut bounds: Vec<(EmitterBounds, f64)> = Vec::new();
         lights.first_of_part = vec![None; geometry.parts.len()];
         for triangle in 0..geometry.len() as u32 {
             let Some(source) = &sources[geometry.material(scene, triangle) as usize] else { continue };
@@ -92,7 +96,19 @@ impl Lights {
             let radiance = source.mean_radiance(scene, geometry, triangle);
             let power = std::f64::consts::PI * sides * area::of(geometry, triangle) * f64::from(radiance);
             let axis = geometry.front_normal(triangle).normalize_or(DVec3::Z).as_vec3();
-            bounds.push((EmitterBounds::triangle(geometry.corners(triangle), axis, source.two_sided), power));
+            let bound = EmitterBounds::triangle(geometry.corners(triangle), axis, source.two_sided);
+            match lights.last_with(scene, geometry, triangle) {
+                Some(pair) => {
+                    *lights.emitters.last_mut().expect("one with which it is a pair") = pair;
+                    let (own, powers) = bounds.last_mut().expect("as many as emitters");
+                    (*own, *powers) = (own.union(&bound), *powers + power);
+                }
+                None => {
+                    lights.emitters.push(Emitter::triangle(triangle, lights.triangles.len() as u32));
+                    bounds.push((bound, power));
+                }
+            }
+            lights.emitter_of.push(lights.emitters.len() as u32 - 1);
             lights.triangles.push(triangle);
         }
         let triangle_power;
@@ -109,12 +125,24 @@ impl Lights {
         let floor = UNIFORM_SHARE * powers.iter().sum::<f64>() / groups as f64;
         let weight = |p: &f64| if *p > 0.0 { (1.0 - UNIFORM_SHARE) * p + floor } else { 0.0 };
         lights.choice = Discrete::new(powers.iter().map(weight));
-        lights.few = lights.count() <= FEW;
+        lights.few = lights.count() + lights.emitters.len() - lights.triangles.len() <= FEW;
         lights.lanes = LanesTables::new(scene, geometry, &lights);
         lights
     }
 
-    /// Emitters in all.
+    /// The last emitter and one triangle more as a quadrilateral, if both emit the same everywhere and are the halves of one.
+    fn last_with(&self, scene: &Scene, geometry: &Geometry, triangle: u32) -> Option<Emitter> {
+        let last = self.emitters.last().filter(|last| !last.is_pair())?.halves[0];
+        let [material, other] = [triangle, last.triangle].map(|t| geometry.material(scene, t));
+        let of = &scene.materials[material as usize];
+        if material != other || of.alpha.mode != AlphaMode::Opaque {
+            return None;
+        }
+        emission::everywhere(of)?;
+        Emitter::quadrilateral(geometry, [(last.triangle, last.row), (triangle, self.triangles.len() as u32)])
+    }
+
+    /// Emissive triangles, punctual lights and the environment.
     pub fn count(&self) -> usize {
         self.punctual.len() + self.triangles.len() + usize::from(self.environment.is_some())
     }
@@ -177,9 +205,9 @@ impl Lights {
             kind @ (Group::Global(_) | Group::Local) => return self.sample_punctual(kind, chosen, receiver, again, u),
             Group::Triangles => {
                 let emitter = self.clusters.sample(receiver, again)?;
-                let triangle = self.triangles[emitter.emitter as usize];
                 let u = [first(emitter.again), u[1]];
-                let (direction, radiance, pdf, target) = area::sample(scene, geometry, triangle, receiver.point, u)?;
+                let of = &self.emitters[emitter.emitter as usize];
+                let (direction, radiance, pdf, target) = area::sample(scene, geometry, of, receiver.point, u)?;
                 (direction, radiance, pdf * emitter.probability, target)
             }
             Group::Environment => {
@@ -203,7 +231,7 @@ impl Lights {
 
     /// A sample of a group of punctual lights that was chosen with the probability `chosen`; `again` is what is left of
     /// the number of the choice.
-    pub(super) fn sample_punctual(
+    fn sample_punctual(
         &self,
         group: Group,
         chosen: f32,
@@ -211,15 +239,25 @@ impl Lights {
         again: f32,
         u: [f32; 2],
     ) -> Option<LightSample> {
-        let (index, chosen, again) = match group {
-            Group::Global(index) => (index, chosen, again),
-            _ => {
-                let local = self.local.sample(receiver, again)?;
-                (self.global + local.emitter as usize, chosen * local.probability, local.again)
-            }
-        };
+        if let Group::Global(index) = group {
+            return self.sample_one(index, chosen, receiver.point, again, u);
+        }
+        let local = self.local.sample(receiver, again)?;
+        let index = self.global + local.emitter as usize;
+        self.sample_one(index, chosen * local.probability, receiver.point, local.again, u)
+    }
+
+    /// A sample of a punctual light that was chosen with the probability `chosen`, by what is left of the number of the choice.
+    pub(super) fn sample_one(
+        &self,
+        index: usize,
+        chosen: f32,
+        point: Vec3,
+        again: f32,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
         let light = &self.punctual[index];
-        let s = light.sample(receiver.point, [if self.few { again } else { u[0] }, u[1]])?;
+        let s = light.sample(point, [if self.few { again } else { u[0] }, u[1]])?;
         let target = s.target.map_or(Target::Infinity, Target::Point);
         let (weight, through_glass) = (s.irradiance / chosen, light.through_glass);
         Some(LightSample { direction: s.direction, weight, pdf: None, target, through_glass })
@@ -242,17 +280,18 @@ impl Lights {
         let Some(first) = self.first_of_part[part as usize] else { return 0.0 };
         // Triangles of a part emit all or none, but for those that are dark or hidden by others in the same place.
         let guess = (first + triangle - geometry.parts[part as usize].first_triangle) as usize;
-        let emitter = if self.triangles.get(guess) == Some(&triangle) {
+        let row = if self.triangles.get(guess) == Some(&triangle) {
             guess
         } else {
             match self.triangles.binary_search(&triangle) {
-                Ok(emitter) => emitter,
+                Ok(row) => row,
                 Err(_) => return 0.0,
             }
         };
+        let emitter = self.emitter_of[row];
         let group = self.choice.probability(self.global + 1, self.reach(reach));
-        let pdf = area::pdf(geometry, triangle, receiver.point, point);
-        let pdf = pdf * (group * self.clusters.probability(receiver, emitter as u32));
+        let pdf = area::pdf(geometry, &self.emitters[emitter as usize], triangle, receiver.point, point);
+        let pdf = pdf * (group * self.clusters.probability(receiver, emitter));
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 

@@ -62,7 +62,10 @@ impl LanesTables {
             return None;
         }
         let parts = [LightReach::Punctual, LightReach::Mis, LightReach::All].map(|reach| lights.parts(reach));
-        Some(Self { area: AreaTable::new(scene, geometry, triangles, !triangles.iter().all(even)), parts })
+        Some(Self {
+            area: AreaTable::new(scene, geometry, &lights.emitters, triangles, !triangles.iter().all(even)),
+            parts,
+        })
     }
 
     #[inline(always)]
@@ -120,14 +123,14 @@ impl Lights {
             let again = if alone { start } else { ((start - low) / share).min(l.splat(1.0 - f32::EPSILON)) };
             match self.kind(group) {
                 kind @ (Group::Global(_) | Group::Local) => {
-                    self.punctual_lanes(l, kind, share, receiver, here, again, u, &mut out);
+                    self.punctual_lanes(l, kind, share, receiver, here, again, u, room, &mut out);
                 }
                 Group::Triangles => {
                     let chosen = self.clusters.sample_lanes(l, receiver, here, again, room);
                     let first = if self.few { chosen.again } else { u[0] };
                     let s = tables.area.sample(
                         l,
-                        Emission { scene, geometry },
+                        Emission { emitters: &self.emitters, scene, geometry },
                         chosen.emitter,
                         receiver.point,
                         [first, u[1]],
@@ -171,7 +174,7 @@ impl Lights {
         (V3::new(r * cos, r * sin, z), radiance, l.splat(0.25 * std::f32::consts::FRAC_1_PI))
     }
 
-    /// Punctual lights one by one: their fall-offs are computed in double precision.
+    /// Punctual lights: chosen in lanes, and then one by one, since their fall-offs are computed in double precision.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "a piece of sample_lanes")]
     fn punctual_lanes<L: Lanes>(
@@ -183,15 +186,23 @@ impl Lights {
         here: L::M,
         again: L::F,
         u: [L::F; 2],
+        room: &mut LightRoom,
         out: &mut LightSampleLanes<L>,
     ) {
+        let (index, chosen, again) = match group {
+            Group::Global(index) => (l.word(index as u32), l.splat(share), again),
+            _ => {
+                let local = self.local.sample_lanes(l, receiver, here, again, room);
+                (local.emitter + self.global as u32, local.probability * share, local.again)
+            }
+        };
+        let there = here & chosen.gt(l.splat(0.0));
         let found = self.punctual_arrays(
-            group,
-            share,
-            here.bits(),
-            receiver.side.lt(l.splat(0.0)).bits(),
-            [&receiver.point.arrays(), &receiver.normal.arrays()],
-            [again.array(), u[0].array(), u[1].array()],
+            there.bits(),
+            &index.array(),
+            &chosen.array(),
+            &receiver.point.arrays(),
+            &[again.array(), u[0].array(), u[1].array()],
         );
         let [direction, weight, end] = &found.vectors;
         let (direction, weight, end) = (l.load_vector(direction), l.load_vector(weight), l.load_vector(end));
@@ -202,18 +213,17 @@ impl Lights {
     #[inline(never)]
     fn punctual_arrays(
         &self,
-        group: Group,
-        share: f32,
         lanes: u32,
-        both_sides: u32,
-        receivers: [&[[f32; LANES]; 3]; 2],
-        [again, u, v]: [[f32; LANES]; 3],
+        index: &[u32; LANES],
+        chosen: &[f32; LANES],
+        points: &[[f32; LANES]; 3],
+        [again, u, v]: &[[f32; LANES]; 3],
     ) -> Punctuals {
         let mut found = Punctuals::default();
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let [point, normal] = receivers.map(|v| glam::Vec3::new(v[0][lane], v[1][lane], v[2][lane]));
-            let place = super::Receiver { point, normal, both_sides: both_sides >> lane & 1 == 1 };
-            let Some(sample) = self.sample_punctual(group, share, &place, again[lane], [u[lane], v[lane]]) else {
+            let point = glam::Vec3::new(points[0][lane], points[1][lane], points[2][lane]);
+            let u = [u[lane], v[lane]];
+            let Some(sample) = self.sample_one(index[lane] as usize, chosen[lane], point, again[lane], u) else {
                 continue;
             };
             found.valid |= 1 << lane;

@@ -7,6 +7,7 @@ mod clusters;
 mod clusters_lanes;
 mod distribution;
 mod duplicates;
+mod emitter;
 mod environment;
 mod environment_lanes;
 mod lights;
