@@ -3,7 +3,9 @@
 //! A batch finds, bit for bit, what its rays find one by one.
 
 use super::wide::packet::Packets;
+use super::wide::packet_exact::Met;
 use super::{Form, KdTree};
+use crate::lanes::LANES;
 use crate::math::{Hit, Ray};
 use glam::Vec3;
 
@@ -88,12 +90,54 @@ impl RayBatch<'_> {
     }
 }
 
-impl HitBatch<'_> {
-    /// Keeps what a ray found.
+/// Is told what rays found.
+pub(super) trait Found {
+    /// What a ray found.
+    fn one(&mut self, i: usize, hit: Option<Hit>);
+    /// What sixteen found, from number `first` on.
+    fn sixteen(&mut self, first: usize, met: &Met);
+}
+
+/// Keeps hits.
+struct Hits<'a, 'b> {
+    rays: &'a RayBatch<'a>,
+    hits: &'a mut HitBatch<'b>,
+}
+
+impl Found for Hits<'_, '_> {
     #[inline(always)]
-    fn set(&mut self, i: usize, t_max: f32, hit: Option<Hit>) {
-        let hit = hit.unwrap_or(Hit { t: t_max, triangle: NO_TRIANGLE, b1: 0.0, b2: 0.0 });
-        (self.t[i], self.b1[i], self.b2[i], self.triangle[i]) = (hit.t, hit.b1, hit.b2, hit.triangle);
+    fn one(&mut self, i: usize, hit: Option<Hit>) {
+        let hit = hit.unwrap_or(Hit { t: self.rays.t_max[i], triangle: NO_TRIANGLE, b1: 0.0, b2: 0.0 });
+        let to = &mut *self.hits;
+        (to.t[i], to.b1[i], to.b2[i], to.triangle[i]) = (hit.t, hit.b1, hit.b2, hit.triangle);
+    }
+
+    #[inline(always)]
+    fn sixteen(&mut self, first: usize, met: &Met) {
+        let (of, to) = (first..first + LANES, &mut *self.hits);
+        let (t, b1, b2) = (&mut to.t[of.clone()], &mut to.b1[of.clone()], &mut to.b2[of.clone()]);
+        let t_max = &self.rays.t_max[of.clone()];
+        for i in 0..LANES {
+            let none = met.triangle[i] == NO_TRIANGLE;
+            t[i] = if none { t_max[i] } else { met.t[i] };
+            b1[i] = if none { 0.0 } else { met.b1[i] };
+            b2[i] = if none { 0.0 } else { met.b2[i] };
+        }
+        to.triangle[of].copy_from_slice(&met.triangle);
+    }
+}
+
+impl Found for &mut [bool] {
+    #[inline(always)]
+    fn one(&mut self, i: usize, hit: Option<Hit>) {
+        self[i] = hit.is_some();
+    }
+
+    #[inline(always)]
+    fn sixteen(&mut self, first: usize, met: &Met) {
+        for (blocked, triangle) in self[first..first + LANES].iter_mut().zip(met.triangle) {
+            *blocked = triangle != NO_TRIANGLE;
+        }
     }
 }
 
@@ -126,13 +170,13 @@ impl KdTree {
         stops: impl FnMut(usize, &Hit) -> bool,
     ) {
         assert_eq!([hits.t.len(), hits.b1.len(), hits.b2.len(), hits.triangle.len()], [rays.len(); 4]);
-        self.trace::<false, ALL>(rays, coherence, stops, |i, hit| hits.set(i, rays.t_max[i], hit));
+        self.trace::<false, ALL>(rays, coherence, stops, Hits { rays, hits });
     }
 
     /// [`KdTree::occluded`] for each ray of a batch.
     pub fn occluded_batch(&self, rays: &RayBatch, coherence: Coherence, blocked: &mut [bool]) {
         assert_eq!(rays.len(), blocked.len());
-        self.trace::<true, true>(rays, coherence, |_, _| true, |i, hit| blocked[i] = hit.is_some());
+        self.trace::<true, true>(rays, coherence, |_, _| true, blocked);
     }
 
     /// [`KdTree::occluded_batch`] by the hits that `stops` lets through; see [`KdTree::closest_batch_where`].
@@ -144,7 +188,16 @@ impl KdTree {
         stops: impl FnMut(usize, &Hit) -> bool,
     ) {
         assert_eq!(rays.len(), blocked.len());
-        self.trace::<true, false>(rays, coherence, stops, |i, hit| blocked[i] = hit.is_some());
+        self.trace::<true, false>(rays, coherence, stops, blocked);
+    }
+
+    /// Whether sixteen neighbours in a batch go through the tree as one packet.
+    pub fn packs(&self, coherence: Coherence) -> bool {
+        let most = match coherence {
+            Coherence::Coherent => PACKETS_IF_COHERENT,
+            Coherence::Scattered => PACKETS_IF_SCATTERED,
+        };
+        matches!(self.form, Form::One(_)) && self.statistics.references <= most
     }
 
     /// Traces a batch in the form that fits the tree and the rays; with `ALL`, every hit counts.
@@ -153,19 +206,18 @@ impl KdTree {
         rays: &RayBatch,
         coherence: Coherence,
         stops: impl FnMut(usize, &Hit) -> bool,
-        found: impl FnMut(usize, Option<Hit>),
+        mut found: impl Found,
     ) {
-        let most = match coherence {
-            Coherence::Coherent => PACKETS_IF_COHERENT,
-            Coherence::Scattered => PACKETS_IF_SCATTERED,
-        };
         let kernel = self.kernel;
         match &self.form {
-            Form::One(tree) if self.statistics.references <= most => {
-                self.lanes.run(Packets::<ANY, ALL, _, _> { kernel, tree: tree.wide(), rays, stops, found });
+            Form::One(tree) if self.packs(coherence) => {
+                let (tree, table) = (tree.wide(), self.lines.as_ref());
+                self.lanes.run(Packets::<ANY, ALL, _, _> { kernel, tree, table, rays, stops, found });
             }
-            Form::One(tree) => kernel.trace::<ANY>(self.lanes, tree.wide(), rays, stops, found),
-            Form::Instances(all) => all.trace::<ANY>(kernel, rays, stops, found),
+            Form::One(tree) => {
+                kernel.trace::<ANY>(self.lanes, tree.wide(), rays, stops, |i, hit| found.one(i, hit));
+            }
+            Form::Instances(all) => all.trace::<ANY>(kernel, rays, stops, |i, hit| found.one(i, hit)),
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::cpu_clock::CpuMeter;
 use rayon::prelude::*;
 
 /// Words of a grain, the unit in which places in the store are counted.
-const GRAIN: usize = 8;
+pub const GRAIN: usize = 8;
 /// Words after the last block, so that sixteen-lane loads never leave the store.
 const SLACK: usize = 64;
 /// Leaves above which the store is filled in parallel.

@@ -122,6 +122,8 @@ pub struct KdTree {
     form: Form,
     kernel: wide::AnyKernel,
     lanes: AnyLanes,
+    /// For packets, of a small tree.
+    lines: Option<wide::packet_table::LinesTable>,
     statistics: Statistics,
 }
 
@@ -166,7 +168,12 @@ impl KdTree {
     }
 
     fn new(form: Form, options: &BuildOptions, statistics: Statistics) -> Self {
-        Self { form, kernel: wide::AnyKernel::new(options.simd), lanes: AnyLanes::new(options.simd), statistics }
+        let (kernel, lanes) = (wide::AnyKernel::new(options.simd), AnyLanes::new(options.simd));
+        let lines = match &form {
+            Form::One(tree) => lanes.run(wide::packet_table::MakeTable(tree.wide())),
+            Form::Instances(_) => None,
+        };
+        Self { form, kernel, lanes, lines, statistics }
     }
 
     /// The nearest hit with `0 < t < ray.t_max` among those that `accept` lets through; of several at the same distance

@@ -14,11 +14,12 @@ pub mod grouping;
 pub mod kernel;
 pub mod node;
 pub mod packet;
-mod packet_exact;
+pub mod packet_exact;
 mod packet_lanes;
 mod packet_lines;
 #[cfg(test)]
 mod packet_lines_tests;
+pub mod packet_table;
 pub mod scalar;
 pub mod stack;
 pub mod stream;

@@ -4,28 +4,31 @@
 //! on the error ([`super::packet_lines`]): what is certain by them needs nothing else, and the rest is decided exactly, as
 //! everywhere ([`super::packet_exact`]). So is, in the end, where the nearest triangle is met.
 
-use super::super::batch::RayBatch;
-use super::super::split::MAX_DEPTH;
+use super::super::batch::{Found, RayBatch};
+use super::super::split::{BLOCK, MAX_DEPTH};
 use super::node::{Child, WIDTH};
 use super::packet_exact::Met;
 use super::packet_lanes::Packet;
 use super::packet_lines::{Lines, LinesOfBlocks};
+use super::packet_table::LinesTable;
 use super::{AnyKernel, WideTree};
 use crate::lanes::{LANES, Lanes, Mask, Work};
 use crate::math::Hit;
 
 /// The rays of a batch in packets; with `ANY`, whichever hit is found first; with `ALL`, every hit counts.
-pub struct Packets<'a, const ANY: bool, const ALL: bool, Stops, Found> {
+pub struct Packets<'a, const ANY: bool, const ALL: bool, Stops, To> {
     /// For rays that are parallel to an axis or of unusual length: they go alone.
     pub kernel: AnyKernel,
     /// What is traversed.
     pub tree: WideTree<'a>,
+    /// The lines of its blocks, if they are all known.
+    pub table: Option<&'a LinesTable>,
     /// The batch.
     pub rays: &'a RayBatch<'a>,
     /// Which hits count; not asked if all do.
     pub stops: Stops,
     /// Is told what each ray found.
-    pub found: Found,
+    pub found: To,
 }
 
 /// A node on the way: the next of its children, in the packet's order, and the rays that enter it.
@@ -36,10 +39,10 @@ struct Visit {
     rays: u32,
 }
 
-impl<const ANY: bool, const ALL: bool, Stops, Found> Work for Packets<'_, ANY, ALL, Stops, Found>
+impl<const ANY: bool, const ALL: bool, Stops, To> Work for Packets<'_, ANY, ALL, Stops, To>
 where
     Stops: FnMut(usize, &Hit) -> bool,
-    Found: FnMut(usize, Option<Hit>),
+    To: Found,
 {
     type Output = ();
 
@@ -52,10 +55,10 @@ where
     }
 }
 
-impl<const ANY: bool, const ALL: bool, Stops, Found> Packets<'_, ANY, ALL, Stops, Found>
+impl<const ANY: bool, const ALL: bool, Stops, To> Packets<'_, ANY, ALL, Stops, To>
 where
     Stops: FnMut(usize, &Hit) -> bool,
-    Found: FnMut(usize, Option<Hit>),
+    To: Found,
 {
     #[inline(always)]
     fn packet<L: Lanes>(&mut self, l: L, lines: &mut LinesOfBlocks, first: usize) {
@@ -93,8 +96,15 @@ where
                     depth += 1;
                 }
                 Child::Leaf(leaf) => {
-                    for block in self.tree.leaves.blocks(leaf) {
-                        let lines = lines.of(l, &block);
+                    let mut blocks = self.tree.leaves.blocks(leaf);
+                    for k in 0..(leaf.count as usize).div_ceil(BLOCK) {
+                        let lines = match self.table {
+                            Some(table) => table.of(leaf, k),
+                            None => match blocks.next() {
+                                Some(block) => lines.of(l, &block),
+                                None => break,
+                            },
+                        };
                         packet.turn_to(l, lines);
                         let ended = self.test(l, &mut packet, lines, entering & alive, first);
                         alive &= !ended;
@@ -103,8 +113,11 @@ where
             }
         }
         let met = if ANY { packet.met_somewhere() } else { packet.met(l) };
+        if members == 0xFFFF {
+            return self.found.sixteen(first, &met);
+        }
         for i in (0..count).filter(|i| members >> i & 1 == 1) {
-            (self.found)(first + i, met.hit(i));
+            self.found.one(first + i, met.hit(i));
         }
     }
 
@@ -115,7 +128,7 @@ where
         let stops = &mut self.stops;
         let accept = |hit: &Hit| hit.triangle != barred && (ALL || stops(i, hit));
         let hit = self.kernel.nearest::<ANY>(self.tree, &ray, accept);
-        (self.found)(i, hit);
+        self.found.one(i, hit);
     }
 
     /// Tests a block; with `ANY`, gives the rays that met something.

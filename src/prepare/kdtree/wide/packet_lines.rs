@@ -76,7 +76,7 @@ const ALONG: usize = 21;
 const CORNERS: usize = 22;
 
 /// A block's triangles by their lines.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Lines {
     rows: [[f32; LANES]; ROWS],
@@ -100,9 +100,7 @@ const KEPT: usize = 8;
 impl LinesOfBlocks {
     /// None yet, for a tree of these nodes.
     pub fn new(nodes: &[WideNode]) -> Self {
-        let none = Lines { rows: [[0.0; LANES]; ROWS], numbers: [0; LANES], midst: Midst::default(), len: 0 };
-        let kept = std::array::from_fn(|_| none.clone());
-        Self { kept, blocks: [0; KEPT], next: 0, small: Midst::of_small(nodes) }
+        Self { kept: [Lines::NONE; KEPT], blocks: [0; KEPT], next: 0, small: Midst::of_small(nodes) }
     }
 
     /// Those of a block.
@@ -120,6 +118,17 @@ impl LinesOfBlocks {
 }
 
 impl Lines {
+    const NONE: Self =
+        Self { rows: [[0.0; LANES]; ROWS], numbers: [0; LANES], midst: Midst { point: [0.0; 3], radius: 0.0 }, len: 0 };
+
+    /// Those of a block of a tree, whose midst is that of all if it is small.
+    #[inline(always)]
+    pub fn of_block<L: Lanes>(l: L, block: &Block, small: Option<Midst>) -> Self {
+        let mut lines = Self::NONE;
+        lines.set(l, block, small);
+        lines
+    }
+
     /// Triangles in the block, up to 16.
     #[inline(always)]
     pub fn len(&self) -> usize {
@@ -255,15 +264,17 @@ impl<L: Lanes> Frame<L> {
     #[inline(always)]
     pub fn between(&self, l: L, lines: &Lines, rays: u32) -> Between {
         let mut seen = Between { possible: [0; LANES], sure: [0; LANES], triangles: 0 };
+        let mut triangles = 0;
         for i in 0..lines.len() {
             let [u, v, w] = [self.side(l, lines, 0, i), self.side(l, lines, 6, i), self.side(l, lines, 12, i)];
             let (least, most) = (u.min(v).min(w), u.max(v).max(w));
             let [below, above] = [least.lt(self.error[0]), most.gt(self.error[1])];
             let [all_above, all_below] = [least.gt(self.error[1]), most.lt(self.error[0])];
-            seen.possible[i] = rays & !(below & above).bits();
-            seen.sure[i] = (all_above | all_below).bits();
-            seen.triangles |= u32::from(seen.possible[i] != 0) << i;
+            let possible = rays & !(below & above).bits();
+            (seen.possible[i], seen.sure[i]) = (possible, (all_above | all_below).bits());
+            triangles |= u32::from(possible != 0) << i;
         }
+        seen.triangles = triangles;
         seen
     }
 
