@@ -169,30 +169,31 @@ pub fn render_until(
     let mut tally = PassTally::default();
     let sight = wave::Sight { view, camera: &camera, occupied: occupied.as_ref() };
     let whitted = (settings.integrator == Integrator::Whitted).then(|| whitted::Tracer::new(scene));
-    let before = &*film;
-    let tiles = Tile::corners(before)
-        .par_iter()
-        .with_max_len(1)
-        .map(|corner| {
-            helpers.help(|| {
-                let mut tile = Tile::of(before, *corner, settings.clamp, aim);
-                if let Some(tracer) = &whitted {
-                    tracer.render_tile(view, settings, &mut tile, control)?;
-                } else {
-                    if settings.integrator == Integrator::Plain {
-                        render_tile(&course, view, &camera, &mut tile, control)?;
-                    } else {
-                        wave::render_tile(&course, &sight, &memories, &mut tile, control)?;
-                    }
-                    // Whitted's paths are not those that a replay follows.
-                    tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
-                }
-                Ok(tile)
-            })
+    let begun = film.spp > 0;
+    let mut tiles = Tile::all(&mut film.pixels, film.width, settings.clamp, aim);
+    let ended = tiles.par_iter_mut().with_max_len(1).try_for_each(|tile| {
+        helpers.help(|| {
+            if begun {
+                tile.keep();
+            }
+            match (&whitted, settings.integrator) {
+                (Some(tracer), _) => return tracer.render_tile(view, settings, tile, control),
+                (None, Integrator::Plain) => render_tile(&course, view, &camera, tile, control)?,
+                (None, _) => wave::render_tile(&course, &sight, &memories, tile, control)?,
+            }
+            // Whitted's paths are not those that a replay follows.
+            tile.explain(|pixel, sample| replay(scene, view, settings, pixel, sample).cause);
+            Ok(())
         })
-        .collect::<Result<Vec<_>, _>>()?;
-    for tile in tiles {
-        tally += tile.store(film);
+    });
+    if let Err(stopped) = ended {
+        // Those that have not begun have kept nothing, and have nothing to undo.
+        tiles.iter_mut().filter(|tile| !begun || tile.is_begun()).for_each(Tile::undo);
+        return Err(stopped);
+    }
+    for (tile, work) in tiles.into_iter().zip(&mut film.work) {
+        *work += tile.work();
+        tally += tile.tally;
     }
     film.spp = spp;
     film.shares |= course.shares();
@@ -214,9 +215,9 @@ fn render_tile(
     tile: &mut Tile,
     control: &Control,
 ) -> Result<(), Stopped> {
-    for pixel in 0..tile.width * tile.height {
-        let (x, y) = (tile.x + pixel % tile.width, tile.y + pixel / tile.width);
-        let samples = tile.wanted(pixel as usize);
+    for pixel in tile.pixels() {
+        let [x, y] = [tile.x + pixel[0], tile.y + pixel[1]];
+        let samples = tile.wanted(pixel);
         for sample in samples.clone() {
             // A pixel of many samples takes long.
             if sample % 64 == 0 || sample == samples.start {
@@ -224,7 +225,7 @@ fn render_tile(
             }
             let rays = &mut tile.tally.rays;
             let path = replay::follow(course, view, camera, ([x, y], sample), rays, &mut ());
-            tile.add(pixel as usize, sample, path.radiance, path.covered);
+            tile.add(pixel, sample, path.radiance, path.covered);
         }
         control.advance(u64::from(samples.end - samples.start));
     }

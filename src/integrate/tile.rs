@@ -1,5 +1,5 @@
 use super::{Cause, Dropped, DroppedSample, RayCounts};
-use crate::film::{Film, PixelSums, SQUARE};
+use crate::film::{PixelSums, SQUARE};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -53,76 +53,115 @@ impl std::ops::AddAssign for PassTally {
     }
 }
 
-/// A square of pixels that a thread works on: a copy of the film's sums there, which goes back when the whole pass is
-/// done, so that a pass that is stopped leaves the film as it was.
-pub(super) struct Tile {
+/// A square of pixels that a thread works on, in place. What it has before the pass is kept aside, so that a pass that is stopped leaves
+/// the film as it was.
+pub(super) struct Tile<'a> {
     /// The left upper corner in the picture.
     pub x: u32,
     pub y: u32,
     /// Smaller than [`SIDE`] at the right and the lower edge of the picture.
     pub width: u32,
     pub height: u32,
-    pixels: Vec<PixelSums>,
-    /// Samples that each of them is to have.
-    aims: Vec<u32>,
+    /// Its rows in the film.
+    rows: Vec<&'a mut [PixelSums]>,
+    /// Of a film that has samples: the sums before the pass, once it has begun.
+    before: Vec<PixelSums>,
+    aim: Aim<'a>,
+    /// Pixels across the film.
+    across: usize,
     /// What it cost.
     pub tally: PassTally,
     /// Pixel and sample of what was not finite.
-    nonfinite: Vec<(usize, u32)>,
+    nonfinite: Vec<([u32; 2], u32)>,
     clamp: f32,
 }
 
-impl Tile {
-    /// The left upper corners of the tiles of a film.
-    pub fn corners(film: &Film) -> Vec<(u32, u32)> {
-        let across = |size: u32| 0..size.div_ceil(SIDE);
-        across(film.height).flat_map(|y| across(film.width).map(move |x| (x * SIDE, y * SIDE))).collect()
-    }
-
-    /// The tile at a corner, to be filled up to `aim`. Channels of samples above `clamp` are cut off there.
-    pub fn of(film: &Film, (x, y): (u32, u32), clamp: Option<f32>, aim: Aim) -> Self {
-        let (width, height) = (SIDE.min(film.width - x), SIDE.min(film.height - y));
-        let mut pixels = Vec::with_capacity((width * height) as usize);
-        let mut aims = Vec::with_capacity(pixels.capacity());
-        for row in y..y + height {
-            let start = row as usize * film.width as usize + x as usize;
-            pixels.extend_from_slice(&film.pixels[start..start + width as usize]);
-            aims.extend((start..start + width as usize).map(|pixel| aim.at(pixel)));
-        }
+impl<'a> Tile<'a> {
+    /// The tiles of a film so many pixels wide, row by row, to be filled up to `aim`. Channels of samples above `clamp` are cut off there.
+    pub fn all(pixels: &'a mut [PixelSums], across: u32, clamp: Option<f32>, aim: Aim<'a>) -> Vec<Self> {
+        let (across, side) = (across as usize, SIDE as usize);
         let clamp = clamp.unwrap_or(f32::INFINITY);
-        Self { x, y, width, height, pixels, aims, tally: PassTally::default(), nonfinite: Vec::new(), clamp }
+        let mut tiles = Vec::new();
+        for (k, band) in pixels.chunks_mut(across * side).enumerate() {
+            let (first, height) = (tiles.len(), band.len() / across);
+            tiles.extend((0..across).step_by(side).map(|x| Self {
+                x: x as u32,
+                y: k as u32 * SIDE,
+                width: side.min(across - x) as u32,
+                height: height as u32,
+                rows: Vec::with_capacity(height),
+                before: Vec::new(),
+                aim,
+                across,
+                tally: PassTally::default(),
+                nonfinite: Vec::new(),
+                clamp,
+            }));
+            for row in band.chunks_mut(across) {
+                tiles[first..].iter_mut().zip(row.chunks_mut(side)).for_each(|(tile, part)| tile.rows.push(part));
+            }
+        }
+        tiles
     }
 
-    /// The samples that a pixel of the tile (row by row) lacks.
-    pub fn wanted(&self, pixel: usize) -> Range<u32> {
-        self.pixels[pixel].samples()..self.aims[pixel]
+    /// Its pixels, row by row, counted from its corner.
+    pub fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let width = self.width;
+        (0..width * self.height).map(move |k| [k % width, k / width])
+    }
+
+    /// Whether sums were kept.
+    pub fn is_begun(&self) -> bool {
+        !self.before.is_empty()
+    }
+
+    /// To be called before a sample is added to a film that has some.
+    pub fn keep(&mut self) {
+        self.before.extend(self.rows.iter().flat_map(|row| row.iter()));
+    }
+
+    /// Makes all sums what they were: those that were kept, or none.
+    pub fn undo(&mut self) {
+        let mut before = self.before.drain(..);
+        self.rows.iter_mut().flat_map(|row| row.iter_mut()).for_each(|sums| *sums = before.next().unwrap_or_default());
+    }
+
+    /// The sums of a pixel of the tile.
+    fn sums(&mut self, [x, y]: [u32; 2]) -> &mut PixelSums {
+        &mut self.rows[y as usize][x as usize]
+    }
+
+    /// The samples that a pixel of the tile lacks.
+    pub fn wanted(&self, [x, y]: [u32; 2]) -> Range<u32> {
+        let place = (self.y + y) as usize * self.across + (self.x + x) as usize;
+        self.rows[y as usize][x as usize].samples()..self.aim.at(place)
     }
 
     /// Counts the samples that a pixel of the tile lacks as camera rays that meet nothing, before nothing.
-    pub fn pass_over(&mut self, pixel: usize) {
+    pub fn pass_over(&mut self, pixel: [u32; 2]) {
         let wanted = self.wanted(pixel);
         self.tally.rays.camera += wanted.len() as u64;
         if let Some(last) = wanted.last() {
-            self.pixels[pixel].drop_sample(last);
+            self.sums(pixel).drop_sample(last);
         }
     }
 
-    /// Adds a sample to the tile's pixel number `pixel` (row by row). Those of a pixel come in ascending order; the order
+    /// Adds a sample to a pixel of the tile. Those of a pixel come in ascending order; the order
     /// between pixels is free. A sample that is not finite is counted and dropped.
-    pub fn add(&mut self, pixel: usize, sample: u32, radiance: Vec3, covered: bool) {
+    pub fn add(&mut self, pixel: [u32; 2], sample: u32, radiance: Vec3, covered: bool) {
         if !radiance.is_finite() {
             self.nonfinite.push((pixel, sample));
-            self.pixels[pixel].drop_sample(sample);
+            self.sums(pixel).drop_sample(sample);
             return;
         }
         let kept = if radiance.max_element() > self.clamp { self.cut(radiance) } else { radiance };
-        self.pixels[pixel].add(sample, kept.extend(f32::from(u8::from(covered))).to_array());
+        self.sums(pixel).add(sample, kept.extend(f32::from(u8::from(covered))).to_array());
     }
 
     /// Has the dropped samples of this pass explained: `cause_of` follows the path of a sample again.
     pub fn explain(&mut self, cause_of: impl Fn([u32; 2], u32) -> Option<Cause>) {
-        for (pixel, sample) in std::mem::take(&mut self.nonfinite) {
-            let pixel = [self.x + pixel as u32 % self.width, self.y + pixel as u32 / self.width];
+        for ([x, y], sample) in std::mem::take(&mut self.nonfinite) {
+            let pixel = [self.x + x, self.y + y];
             // A path that comes out finite when it is followed alone was brought too much by others (`--reuse`); without them it would be a
             // defect of the batched tracer.
             let cause = cause_of(pixel, sample).unwrap_or(Cause::Overflow);
@@ -138,46 +177,72 @@ impl Tile {
         kept
     }
 
-    /// Puts the sums back and gives the tally.
-    pub fn store(self, film: &mut Film) -> PassTally {
-        for (row, pixels) in self.pixels.chunks(self.width as usize).enumerate() {
-            let start = (self.y as usize + row) * film.width as usize + self.x as usize;
-            film.pixels[start..start + pixels.len()].copy_from_slice(pixels);
-        }
-        let square = self.y / SIDE * film.width.div_ceil(SIDE) + self.x / SIDE;
+    /// What its rays cost, in camera rays.
+    pub fn work(&self) -> u64 {
         let RayCounts { camera, bounce, shadow } = self.tally.rays;
-        film.work[square as usize] += camera + SCATTERED * bounce + shadow;
-        self.tally
+        camera + SCATTERED * bounce + shadow
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Film;
 
     #[test]
     fn tiles_cover_each_pixel_once_and_keep_what_is_there() {
         let mut film = Film::new(37, 18, false);
         for pass in 0..2 {
-            for corner in Tile::corners(&film) {
-                let mut tile = Tile::of(&film, corner, None, Aim::All(pass + 1));
-                (0..tile.width * tile.height).for_each(|k| tile.add(k as usize, pass, Vec3::ONE, true));
-                tile.store(&mut film);
+            for tile in &mut Tile::all(&mut film.pixels, 37, None, Aim::All(pass + 1)) {
+                for pixel in tile.pixels() {
+                    assert_eq!(tile.wanted(pixel), pass..pass + 1);
+                    tile.add(pixel, pass, Vec3::ONE, true);
+                }
             }
-            film.spp += 1;
         }
-        assert!(film.pixels.iter().all(|p| p.mean() == [1.0; 4]));
+        assert!(film.pixels.iter().all(|p| p.mean() == [1.0; 4] && p.samples() == 2));
+    }
+
+    #[test]
+    fn what_is_undone_was_never_there() {
+        let mut film = Film::new(20, 17, false);
+        for begun in [false, true] {
+            let before = film.clone();
+            let mut tiles = Tile::all(&mut film.pixels, 20, None, Aim::All(9));
+            // One of them has not begun.
+            for tile in &mut tiles[1..] {
+                if begun {
+                    tile.keep();
+                }
+                tile.add([3, 0], 4, Vec3::ONE, true);
+            }
+            tiles.iter_mut().skip(usize::from(begun)).for_each(Tile::undo);
+            assert!(film == before);
+            film.pixels.iter_mut().enumerate().for_each(|(k, sums)| sums.add(3, [k as f32; 4]));
+        }
+    }
+
+    #[test]
+    fn each_pixel_has_its_own_aim() {
+        let aims: Vec<u32> = (0..37 * 18).collect();
+        let mut film = Film::new(37, 18, false);
+        let tiles = Tile::all(&mut film.pixels, 37, None, Aim::Each(&aims));
+        let corners: Vec<_> = tiles.iter().map(|t| (t.x, t.y, t.width, t.height)).collect();
+        let expected =
+            [(0, 0, 16, 16), (16, 0, 16, 16), (32, 0, 5, 16), (0, 16, 16, 2), (16, 16, 16, 2), (32, 16, 5, 2)];
+        assert_eq!((corners, tiles[5].wanted([4, 1])), (expected.to_vec(), 0..37 * 18 - 1));
     }
 
     #[test]
     fn what_clamping_takes_is_told() {
-        let film = Film::new(1, 1, false);
-        let mut tile = Tile::of(&film, (0, 0), Some(2.0), Aim::All(2));
-        tile.add(0, 0, Vec3::new(5.0, 2.0, 1.0), true);
-        tile.add(0, 1, Vec3::new(f32::NAN, 2.0, 1.0), true);
-        assert_eq!(tile.pixels[0].mean(), [1.0, 1.0, 0.5, 0.5]);
+        let mut film = Film::new(1, 1, false);
+        let mut tiles = Tile::all(&mut film.pixels, 1, Some(2.0), Aim::All(2));
+        let tile = &mut tiles[0];
+        tile.add([0, 0], 0, Vec3::new(5.0, 2.0, 1.0), true);
+        tile.add([0, 0], 1, Vec3::new(f32::NAN, 2.0, 1.0), true);
         tile.explain(|pixel, sample| (pixel == [0, 0] && sample == 1).then_some(Cause::Scattering));
         assert_eq!((tile.tally.clamped, tile.tally.nonfinite), (3.0, 1));
         assert_eq!(tile.tally.dropped.by_cause().collect::<Vec<_>>(), [(Cause::Scattering, 1)]);
+        assert_eq!(film.pixels[0].mean(), [1.0, 1.0, 0.5, 0.5]);
     }
 }

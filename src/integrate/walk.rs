@@ -111,6 +111,13 @@ impl<'a> Course<'a> {
         self.prepared.is_diffuse && self.lanes_can()
     }
 
+    /// Whether anything that paths may meet asks for more of them than lanes carry: a random number at a surface that lets rays pass, or
+    /// the bodies that they are in.
+    pub fn needs_states(&self) -> bool {
+        let asks = &self.prepared.asks;
+        !self.is_diffuse() || asks.covers || asks.culls || asks.walls
+    }
+
     /// See [`shares_paths`].
     pub fn shares(&self) -> bool {
         shares_paths(self.prepared, self.settings)

@@ -60,13 +60,13 @@ impl<'a> Tracer<'a> {
         tile: &mut Tile,
         control: &Control,
     ) -> Result<(), Stopped> {
-        for pixel in 0..tile.width * tile.height {
+        for pixel in tile.pixels() {
             control.check()?;
-            let place = [tile.x + pixel % tile.width, tile.y + pixel / tile.width];
-            let samples = tile.wanted(pixel as usize);
+            let place = [tile.x + pixel[0], tile.y + pixel[1]];
+            let samples = tile.wanted(pixel);
             for sample in samples.clone() {
                 let (radiance, covered) = self.sample(view, settings, place, sample, &mut tile.tally.rays);
-                tile.add(pixel as usize, sample, radiance, covered);
+                tile.add(pixel, sample, radiance, covered);
             }
             control.advance(u64::from(samples.end - samples.start));
         }

@@ -1,13 +1,12 @@
 //! Camera paths, sixteen at a time.
 
-use super::{Memory, Round, Slot, path};
+use super::{Memory, Round, Slot, State, path};
 use crate::integrate::View;
 use crate::integrate::camera::NearCamera;
 use crate::integrate::medium::Inside;
 use crate::lanes::{LANES, Lanes, Words, Work};
 use crate::sampling::{PathSampler, PathSamplers, Purpose};
 use crate::settings::RenderSettings;
-use glam::Vec3;
 
 /// Begins the paths of some samples of pixels.
 pub(super) struct Begin<'a> {
@@ -20,6 +19,8 @@ pub(super) struct Begin<'a> {
     /// The tile's left upper pixel.
     pub corner: [u32; 2],
     pub rounds: &'a [Round],
+    /// Whether anybody will ask for states.
+    pub with_states: bool,
 }
 
 impl Work for Begin<'_> {
@@ -27,7 +28,7 @@ impl Work for Begin<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { memory, settings, view, camera, spread, corner, rounds } = self;
+        let Self { memory, settings, view, camera, spread, corner, rounds, with_states } = self;
         for Round { sample, pixels } in rounds {
             for pixels in pixels.chunks(LANES) {
                 let at = memory.slots.len();
@@ -55,11 +56,13 @@ impl Work for Begin<'_> {
                 words[path::KEY] = key;
                 words[path::INDEX] = index;
                 memory.paths.store::<L>(at, l.first(LANES), floats, words);
-                let (key, index) = (key.array(), index.array());
-                for i in 0..pixels.len() {
-                    let sampler = PathSampler::addressed(settings.sampler, key[i], index[i]);
-                    let inside = Inside::default();
-                    memory.slots.push(Slot { radiance: Vec3::ZERO, covered: false, sampler, inside });
+                memory.slots.resize(at + pixels.len(), Slot::default());
+                if with_states {
+                    let (key, index) = (key.array(), index.array());
+                    memory.states.extend((0..pixels.len()).map(|i| State {
+                        sampler: PathSampler::addressed(settings.sampler, key[i], index[i]),
+                        inside: Inside::default(),
+                    }));
                 }
             }
         }

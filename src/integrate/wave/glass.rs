@@ -9,16 +9,21 @@ use crate::shading::{Glass, MetalRoughParams};
 use glam::Vec3;
 use kiln_formats::scene::{MetalRough, Surface};
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
+    /// The bodies that a path is in.
+    fn inside(&mut self, i: usize) -> &mut Inside {
+        &mut self.memory.states[self.memory.paths.word(path::SLOT, i) as usize].inside
+    }
+
     /// Has a path that meets smooth glass know which bodies it is in, absorbs on the way, and fetches the glass.
     pub(super) fn enter_glass(&mut self, i: usize, lane: usize, fetch: &mut Fetch) {
         let prepared = self.course.prepared;
         let (hit, dir) = (self.hit(i), self.memory.paths.vector(path::DIR, i));
         let Some(place) = Place::new(prepared, &hit, dir) else { return };
         let Surface::MetalRough(m) = &prepared.scene.materials[place.material as usize].surface else { return };
-        let slot = self.slot(i);
-        slot.inside = slot.inside.met(prepared, &place);
-        let inside = slot.inside;
+        let inside = self.inside(i);
+        *inside = inside.met(prepared, &place);
+        let inside = *inside;
         let transmittance = inside.transmittance(prepared, hit.t);
         if transmittance != Vec3::ONE {
             let throughput = self.memory.paths.vector(path::THROUGHPUT, i) * transmittance;
@@ -37,11 +42,11 @@ impl Wave<'_> {
             let triangle = self.memory.hits.word(hit::TRIANGLE, at + lane);
             let front =
                 self.memory.paths.vector(path::DIR, at + lane).dot(prepared.geometry.unit_normal(triangle)) < 0.0;
-            let slot = self.slot(at + lane);
+            let inside = self.inside(at + lane);
             if crossed >> lane & 1 != 0 {
-                slot.inside = slot.inside.through(fetch.material[lane], front);
+                *inside = inside.through(fetch.material[lane], front);
             }
-            flags[lane] = if slot.inside == Inside::default() { 0 } else { path::INSIDE };
+            flags[lane] = if *inside == Inside::default() { 0 } else { path::INSIDE };
         }
         flags
     }

@@ -86,7 +86,7 @@ pub(super) struct Carried<L: Lanes> {
     pub both_sides: L::M,
 }
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     /// Takes light samples at the surfaces where `active` is true, and lets them wait.
     #[inline(always)]
     pub(super) fn sample_lights<L: Lanes>(

@@ -12,6 +12,7 @@ mod kernels;
 mod lanes;
 mod lights;
 mod look;
+mod order;
 mod passed;
 mod reuse;
 mod rows;
@@ -31,7 +32,7 @@ use super::tile::{SIDE, Tile};
 use super::walk::{Course, Sent, Walk};
 use super::{View, camera_ray};
 use crate::lighting::{LightRoom, Receiver};
-use crate::prepare::kdtree::NO_TRIANGLE;
+use crate::prepare::kdtree::{Coherence, NO_TRIANGLE};
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
 use glam::Vec3;
@@ -102,11 +103,16 @@ mod shadow {
     pub const WORDS: usize = 4;
 }
 
-/// What a path has beside its rows, at its slot.
-#[derive(Clone, Copy)]
+/// What a path has gathered, at its slot.
+#[derive(Clone, Copy, Default)]
 struct Slot {
     radiance: Vec3,
     covered: bool,
+}
+
+/// What else a path has beside its rows, at its slot.
+#[derive(Clone, Copy)]
+struct State {
     sampler: PathSampler,
     inside: Inside,
 }
@@ -122,27 +128,36 @@ pub(super) struct Memory {
     cones: Rows<2, 0>,
     endless: Vec<f32>,
     slots: Vec<Slot>,
+    /// As many; or none, where nobody asks for them.
+    states: Vec<State>,
     lights: Box<LightRoom>,
     /// Where some surfaces let rays pass.
     passed: Option<Box<passed::Passed>>,
     /// Where pixels use each other's paths.
     reuse: Option<Box<reuse::Shared>>,
+    /// Where it pays that neighbours go like ways.
+    order: Option<Box<order::Order>>,
 }
 
 impl Memory {
-    fn new(shares: bool, walls: bool) -> Self {
+    fn new(course: &Course) -> Self {
+        let (prepared, shares) = (course.prepared, course.shares());
+        // Who shares paths looks for them where they began.
+        let in_packets = prepared.tree.packs(Coherence::Scattered) && !shares;
         Self {
             paths: Rows::new(PATHS),
             hits: Rows::new(PATHS),
             shadows: Rows::new(SHADOWS),
             blocked: vec![false; SHADOWS],
             walled: walled::Walled::default(),
-            cones: Rows::new(if walls { SHADOWS } else { 0 }),
+            cones: Rows::new(if prepared.asks.walls { SHADOWS } else { 0 }),
             endless: vec![f32::INFINITY; PATHS],
             slots: Vec::with_capacity(PATHS),
+            states: Vec::with_capacity(PATHS),
             lights: Box::default(),
             passed: None,
             reuse: shares.then(Box::default),
+            order: in_packets.then(Box::default),
         }
     }
 }
@@ -154,7 +169,7 @@ pub(super) struct Memories(Mutex<Vec<Memory>>);
 impl Memories {
     fn take(&self, course: &Course) -> Memory {
         let free = self.0.lock().ok().and_then(|mut free| free.pop());
-        free.unwrap_or_else(|| Memory::new(course.shares(), course.prepared.asks.walls))
+        free.unwrap_or_else(|| Memory::new(course))
     }
 
     fn give_back(&self, memory: Memory) {
@@ -184,15 +199,15 @@ pub(super) fn render_tile(
     let order = if course.shares() { reuse::in_groups } else { blockwise };
     let mut pixels: Vec<([u32; 2], Range<u32>)> = order(tile.width, tile.height)
         .into_iter()
-        .map(|[x, y]| ([x, y], tile.wanted((y * tile.width + x) as usize)))
+        .map(|[x, y]| ([x, y], tile.wanted([x, y])))
         .filter(|(_, wanted)| !wanted.is_empty())
         .collect();
     if let Some(occupied) = occupied {
         let meets = |([x, y], _): &([u32; 2], Range<u32>)| occupied.at([tile.x + x, tile.y + y]);
         let (meeting, empty) = pixels.into_iter().partition(meets);
         pixels = meeting;
-        for ([x, y], wanted) in empty {
-            tile.pass_over((y * tile.width + x) as usize);
+        for (pixel, wanted) in empty {
+            tile.pass_over(pixel);
             control.advance(u64::from(wanted.end - wanted.start));
         }
         if pixels.is_empty() {
@@ -234,13 +249,13 @@ struct Round {
 }
 
 /// A wavefront at work.
-struct Wave<'a> {
+struct Wave<'a, 'b> {
     course: &'a Course<'a>,
     memory: &'a mut Memory,
-    tile: &'a mut Tile,
+    tile: &'a mut Tile<'b>,
 }
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     fn render(mut self, view: &View, camera: &RayCamera, rounds: &[Round]) {
         self.begin(view, camera, rounds);
         for depth in 0..=self.course.settings.max_depth {
@@ -250,13 +265,16 @@ impl Wave<'_> {
             if self.memory.paths.len == 0 {
                 break;
             }
+            if let (0, Some(order)) = (depth, &mut self.memory.order) {
+                self.course.prepared.lanes.run(order::Sort { order, paths: &mut self.memory.paths });
+            }
         }
         if self.memory.reuse.is_some() {
             self.course.prepared.lanes.run(reuse::Join { wave: &mut self, rounds });
         }
         let paths = rounds.iter().flat_map(|round| round.pixels.iter().map(move |pixel| (round.sample, pixel)));
-        for ((sample, [x, y]), slot) in paths.zip(&self.memory.slots) {
-            self.tile.add((y * self.tile.width + x) as usize, sample, slot.radiance, slot.covered);
+        for ((sample, pixel), slot) in paths.zip(&self.memory.slots) {
+            self.tile.add(*pixel, sample, slot.radiance, slot.covered);
         }
     }
 
@@ -275,13 +293,15 @@ impl Wave<'_> {
         let settings = self.course.settings;
         let memory = &mut *self.memory;
         memory.slots.clear();
+        memory.states.clear();
         memory.shadows.len = 0;
         let addressed = matches!(settings.sampler, SamplerKind::Sobol | SamplerKind::Pcg);
         if let Some(near) = camera.near().filter(|_| addressed) {
             let corner = [self.tile.x, self.tile.y];
             let spread = camera.cone(near.origin, view.height).spread;
-            let camera = near;
-            self.course.prepared.lanes.run(begin::Begin { memory, settings, view, camera, spread, corner, rounds });
+            let (camera, with_states) = (near, self.course.needs_states());
+            let begin = begin::Begin { memory, settings, view, camera, spread, corner, rounds, with_states };
+            self.course.prepared.lanes.run(begin);
         } else {
             self.begin_one_by_one(view, camera, rounds);
         }
@@ -303,7 +323,8 @@ impl Wave<'_> {
                 let mut sampler = PathSampler::new(settings.sampler, settings.seed, pixel, *sample);
                 let walk = Walk::new(camera_ray(view, camera, pixel, sampler.get_2d(0, Purpose::Pixel)));
                 let at = memory.slots.len();
-                memory.slots.push(Slot { radiance: Vec3::ZERO, covered: false, sampler, inside: Inside::default() });
+                memory.slots.push(Slot::default());
+                memory.states.push(State { sampler, inside: Inside::default() });
                 memory.paths.set_word(path::SLOT, at, at as u32);
                 memory.paths.set_word(path::KEY, at, sampler.key());
                 memory.paths.set_word(path::INDEX, at, sampler.index());
@@ -329,7 +350,7 @@ impl Memory {
             throughput: rows.vector(path::THROUGHPUT, at),
             eta_scale: rows.float(path::ETA_SCALE, at),
             cone: self.walk_cone(at),
-            inside: self.slots[rows.word(path::SLOT, at) as usize].inside,
+            inside: self.states.get(rows.word(path::SLOT, at) as usize).map_or(Inside::default(), |state| state.inside),
             sent: Sent { smooth: (pdf > 0.0).then_some((receiver, pdf)) },
         }
     }
@@ -360,6 +381,6 @@ impl Memory {
         }
         rows.set_word(path::FLAGS, at, flags);
         rows.set_word(path::LEAVES, at, NO_TRIANGLE);
-        self.slots[rows.word(path::SLOT, at) as usize].inside = walk.inside;
+        self.states[rows.word(path::SLOT, at) as usize].inside = walk.inside;
     }
 }

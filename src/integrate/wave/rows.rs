@@ -103,4 +103,19 @@ impl<const FLOATS: usize, const WORDS: usize> Rows<FLOATS, WORDS> {
             x.compress(mask).store((&mut row[at..at + LANES]).try_into().expect("sixteen"));
         }
     }
+
+    /// Takes the entries of others, of which there is as much room, in this order; `order` has room for sixteen more numbers than it has.
+    #[inline(always)]
+    pub fn take<L: Lanes>(&mut self, l: L, from: &Self, order: &[u32]) {
+        self.len = from.len;
+        for at in (0..self.len).step_by(LANES) {
+            let order = l.load_words_at(order, at);
+            for (to, from) in self.floats.iter_mut().zip(&from.floats) {
+                l.gather(from, order).store((&mut to[at..at + LANES]).try_into().expect("sixteen"));
+            }
+            for (to, from) in self.words.iter_mut().zip(&from.words) {
+                l.gather_words(from, order).store((&mut to[at..at + LANES]).try_into().expect("sixteen"));
+            }
+        }
+    }
 }

@@ -20,21 +20,21 @@ use glam::Vec3;
 use std::marker::PhantomData;
 
 /// Shades where the rays of all paths have ended, lets light samples wait, and sends the paths on; for surfaces with these effects.
-pub(super) struct Shade<'a, 'b, E> {
-    wave: &'a mut Wave<'b>,
+pub(super) struct Shade<'a, 'b, 'c, E> {
+    wave: &'a mut Wave<'b, 'c>,
     /// Scattering events so far.
     depth: u32,
     effects: PhantomData<E>,
 }
 
-impl<'a, 'b, E> Shade<'a, 'b, E> {
+impl<'a, 'b, 'c, E> Shade<'a, 'b, 'c, E> {
     /// The paths of a wavefront, after so many scattering events.
-    pub fn new(wave: &'a mut Wave<'b>, depth: u32) -> Self {
+    pub fn new(wave: &'a mut Wave<'b, 'c>, depth: u32) -> Self {
         Self { wave, depth, effects: PhantomData }
     }
 }
 
-impl<E: SurfaceEffects> Work for Shade<'_, '_, E> {
+impl<E: SurfaceEffects> Work for Shade<'_, '_, '_, E> {
     type Output = ();
 
     #[inline(always)]
@@ -56,7 +56,7 @@ impl<E: SurfaceEffects> Work for Shade<'_, '_, E> {
     }
 }
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     /// Light from beyond the scene, for those of sixteen paths that have left it.
     #[inline(always)]
     fn miss<L: Lanes>(&mut self, l: L, depth: u32, at: usize, count: usize) {

@@ -48,7 +48,7 @@ impl Sorted {
     }
 }
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     /// Adds the light that sixteen paths meet, visits those that lanes cannot, and fetches the surfaces of the others.
     #[inline(never)]
     pub(super) fn sort<E: SurfaceEffects>(
@@ -176,9 +176,9 @@ impl Wave<'_> {
     fn visit(&mut self, depth: u32, i: usize, (lane, waiting): (usize, &mut Waiting)) -> bool {
         let (hit, mut walk) = (self.hit(i), self.memory.walk(i));
         let course = self.course;
-        let slot = &mut self.memory.slots[self.memory.paths.word(path::SLOT, i) as usize];
+        let slot = self.memory.paths.word(path::SLOT, i) as usize;
         let rays = &mut self.tile.tally.rays;
-        let super::Slot { sampler, radiance, .. } = slot;
+        let (radiance, sampler) = (&mut self.memory.slots[slot].radiance, &mut self.memory.states[slot].sampler);
         let mut with = Company { sampler, radiance, rays, recorder: &mut () };
         let goes_on = if course.lanes_can() && course.prepared.lights.lanes_can() {
             let Some(vertex) = course.arrive(depth, &mut walk, Some(hit), &mut with) else { return false };

@@ -1,16 +1,16 @@
 //! The rays of a wavefront.
 
 use super::passed::Passed;
-use super::{Memory, Slot, Wave, hit, path, shadow};
+use super::{Memory, State, Wave, hit, path, shadow};
 use crate::integrate::cone::Cone;
 use crate::integrate::trace::{Asker, Walls, covers, is_wall, most_triangles, through_walls};
 use crate::prepare::kdtree::{Coherence, HitBatch, NO_TRIANGLE, RayBatch};
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     /// The closest hits of all paths.
     pub(super) fn trace_paths(&mut self, depth: u32) {
         let prepared = self.course.prepared;
-        let Memory { paths, hits, slots, endless, passed, .. } = &mut *self.memory;
+        let Memory { paths, hits, slots, states, endless, passed, .. } = &mut *self.memory;
         hits.len = paths.len;
         let ([t, b1, b2], [triangle]) = hits.all_mut();
         let mut found = HitBatch { t, b1, b2, triangle };
@@ -29,7 +29,7 @@ impl Wave<'_> {
                 if !prepared.questions.asks(hit.triangle, eye) {
                     return true;
                 }
-                let sampler = slots[slot[i] as usize].sampler;
+                let sampler = states[slot[i] as usize].sampler;
                 covers(prepared, &Asker { sampler, vertex: depth, draw: 0, eye }, hit, paths.vector(path::DIR, i))
             });
         } else {
@@ -46,7 +46,7 @@ impl Wave<'_> {
     #[inline(never)]
     pub(super) fn trace_shadows(&mut self, depth: u32) {
         let prepared = self.course.prepared;
-        let Memory { shadows, slots, blocked, walled, cones, .. } = &mut *self.memory;
+        let Memory { shadows, slots, states, blocked, walled, cones, .. } = &mut *self.memory;
         if shadows.len == 0 {
             return;
         }
@@ -61,8 +61,8 @@ impl Wave<'_> {
         let blocked = &mut blocked[..shadows.len];
         let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Scattered };
         let draw = shadows.words(shadow::DRAW);
-        let asker = |slots: &[Slot], i: usize| {
-            let sampler = slots[slot[i] as usize].sampler;
+        let asker = |states: &[State], i: usize| {
+            let sampler = states[slot[i] as usize].sampler;
             Asker { sampler, vertex: depth + 1, draw: draw[i], eye: false }
         };
         let most = self.course.settings.max_depth.saturating_sub(depth + 1);
@@ -70,7 +70,7 @@ impl Wave<'_> {
         if prepared.asks.covers || prepared.asks.walls {
             prepared.tree.occluded_batch_where(&rays, coherence, blocked, |i, hit| {
                 if prepared.questions.asks(hit.triangle, false)
-                    && !covers(prepared, &asker(slots, i), hit, shadows.vector(shadow::DIR, i))
+                    && !covers(prepared, &asker(states, i), hit, shadows.vector(shadow::DIR, i))
                 {
                     return false;
                 }

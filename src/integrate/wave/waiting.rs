@@ -50,7 +50,7 @@ impl Waiting {
     }
 }
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     /// Takes light samples at the vertices that wait, which belong to the paths from `at` on.
     #[inline(always)]
     pub(super) fn light_waiting<L: Lanes>(&mut self, l: L, depth: u32, at: usize, waiting: &mut Waiting) {

@@ -54,7 +54,7 @@ pub struct Seen<L: Lanes> {
     pub out: Outgoing<L>,
 }
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     /// Keeps the first vertices of the paths from `at` on, of which those where `lit` take part.
     #[inline(always)]
     pub(in super::super) fn keep_first<L: Lanes>(

@@ -12,12 +12,12 @@ use crate::prepare::kdtree::{Coherence, RayBatch};
 use glam::Vec3;
 
 /// Joins the paths of all rounds to the first vertices of their groups.
-pub(in super::super) struct Join<'a, 'b, 'c> {
-    pub wave: &'a mut Wave<'b>,
+pub(in super::super) struct Join<'a, 'b, 'c, 'd> {
+    pub wave: &'a mut Wave<'b, 'd>,
     pub rounds: &'c [Round],
 }
 
-impl Work for Join<'_, '_, '_> {
+impl Work for Join<'_, '_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -45,7 +45,7 @@ impl Work for Join<'_, '_, '_> {
     }
 }
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     /// Lets rays from a group's first vertices, in the slots from `begin` on, to second vertex number `at` wait to be traced.
     #[inline(always)]
     fn join<L: Lanes>(&mut self, l: L, shared: &mut Shared, at: usize, begin: usize, first: &First<L>) {
@@ -99,7 +99,7 @@ impl Wave<'_> {
 
     /// Who asks for the rays of the path in a slot from its first vertex on.
     fn asker(&self, slot: usize) -> Asker {
-        Asker { sampler: self.memory.slots[slot].sampler, vertex: 1, draw: 0, eye: false }
+        Asker { sampler: self.memory.states[slot].sampler, vertex: 1, draw: 0, eye: false }
     }
 
     /// Traces the rays that wait, and gives the pixels what is theirs of each path's light.

@@ -23,7 +23,7 @@ pub const SLOT: usize = 0;
 pub const TRIANGLE: usize = 1;
 pub const WORDS: usize = 2;
 
-impl Wave<'_> {
+impl Wave<'_, '_> {
     /// Keeps those of the second vertices of the paths from `at` on, among those where `lit`, that others can use. From there on, their
     /// paths gather light of which nobody knows yet who gets how much, so they carry a throughput of one: that is given.
     #[inline(always)]
