@@ -2,7 +2,7 @@
 
 use super::hash::pcg;
 use super::{Purpose, REPLICATES, key_words, seed_key, sobol};
-use crate::lanes::{Lanes, Words};
+use crate::lanes::{LANES, Lanes, Words};
 use crate::settings::SamplerKind;
 
 /// The random numbers of sixteen camera paths.
@@ -37,15 +37,16 @@ fn unit<U: Words>(bits: U) -> U::Floats {
 }
 
 impl<L: Lanes> PathSamplers<L> {
-    /// The numbers of sample `sample` (over all replicates) of sixteen pixels (x, y), as [`super::PathSampler::new`].
+    /// The numbers of samples (over all replicates) of sixteen pixels (x, y), as [`super::PathSampler::new`].
     #[inline(always)]
-    pub fn of_pixels(kind: SamplerKind, seed: u64, [x, y]: [L::U; 2], sample: u32) -> Option<Self> {
-        let (replicate, index) = (sample % REPLICATES, sample / REPLICATES);
-        let mut key = x.fill(seed_key(seed));
-        for word in [x, y] {
+    pub fn of_pixels(l: L, kind: SamplerKind, seed: u64, [x, y]: [L::U; 2], sample: &[u32; LANES]) -> Option<Self> {
+        let replicate = l.load_words(&std::array::from_fn(|i| sample[i] % REPLICATES));
+        let index = l.load_words(&std::array::from_fn(|i| sample[i] / REPLICATES));
+        let mut key = l.word(seed_key(seed));
+        for word in [x, y, replicate] {
             key = combine_hashed(key, pcg_lanes(word));
         }
-        Self::new(kind, combine(key, replicate), x.fill(index))
+        Self::new(kind, key, index)
     }
 
     /// What names (seed, pixel, replicate), and the number of the point of the sequence.
@@ -129,7 +130,7 @@ fn owen_reversed<U: Words>(x: U, seed: U) -> U {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{AnyLanes, Floats, LANES, Work};
+    use crate::lanes::{AnyLanes, Floats, Work};
     use crate::math::simd::SimdTier;
     use crate::sampling::PathSampler;
 
@@ -157,7 +158,9 @@ mod tests {
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) -> Self::Output {
             let x = l.lane_numbers() + 5;
-            let samplers = PathSamplers::<L>::of_pixels(self.0, 1 << 40 | 9, [x, x * 3], self.1).expect("addressed");
+            let sample = std::array::from_fn(|i| self.1 + i as u32 / 3);
+            let samplers =
+                PathSamplers::<L>::of_pixels(l, self.0, 1 << 40 | 9, [x, x * 3], &sample).expect("addressed");
             samplers.words().map(|w| w.array())
         }
     }
@@ -167,7 +170,8 @@ mod tests {
         for sample in 0..9 {
             let [key, index] = AnyLanes::new(SimdTier::detect()).run(Begin(SamplerKind::Pcg, sample));
             for lane in 0..LANES as u32 {
-                let path = PathSampler::new(SamplerKind::Pcg, 1 << 40 | 9, [lane + 5, (lane + 5) * 3], sample);
+                let path =
+                    PathSampler::new(SamplerKind::Pcg, 1 << 40 | 9, [lane + 5, (lane + 5) * 3], sample + lane / 3);
                 assert_eq!((key[lane as usize], index[lane as usize]), (path.key(), path.index()));
             }
         }

@@ -19,6 +19,7 @@ mod rows;
 mod shade;
 mod smooth;
 mod sort;
+mod starts;
 mod surface;
 mod trace;
 mod waiting;
@@ -27,8 +28,7 @@ mod walled;
 use super::camera::RayCamera;
 use super::cone::Cone;
 use super::medium::Inside;
-use super::occupied::Occupied;
-use super::tile::{SIDE, Tile};
+use super::tile::Tile;
 use super::walk::{Course, Sent, Walk};
 use super::{View, camera_ray};
 use crate::lighting::{LightRoom, Receiver};
@@ -36,9 +36,9 @@ use crate::prepare::kdtree::{Coherence, NO_TRIANGLE};
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::SamplerKind;
 use glam::Vec3;
-use kiln_formats::{Control, Stopped};
 use rows::Rows;
-use std::ops::Range;
+use starts::Start;
+pub(super) use starts::{Sight, render_tile};
 use std::sync::Mutex;
 
 /// Paths in flight.
@@ -179,75 +179,6 @@ impl Memories {
     }
 }
 
-/// How the scene is looked at.
-pub(super) struct Sight<'a> {
-    pub view: &'a View,
-    pub camera: &'a RayCamera,
-    /// Where rays can meet anything; without it, everywhere. Rays elsewhere bring nothing.
-    pub occupied: Option<&'a Occupied>,
-}
-
-/// Adds to a tile the samples that its pixels lack.
-pub(super) fn render_tile(
-    course: &Course,
-    sight: &Sight,
-    memories: &Memories,
-    tile: &mut Tile,
-    control: &Control,
-) -> Result<(), Stopped> {
-    let Sight { view, camera, occupied } = *sight;
-    let order = if course.shares() { reuse::in_groups } else { blockwise };
-    let mut pixels: Vec<([u32; 2], Range<u32>)> = order(tile.width, tile.height)
-        .into_iter()
-        .map(|[x, y]| ([x, y], tile.wanted([x, y])))
-        .filter(|(_, wanted)| !wanted.is_empty())
-        .collect();
-    if let Some(occupied) = occupied {
-        let meets = |([x, y], _): &([u32; 2], Range<u32>)| occupied.at([tile.x + x, tile.y + y]);
-        let (meeting, empty) = pixels.into_iter().partition(meets);
-        pixels = meeting;
-        for (pixel, wanted) in empty {
-            tile.pass_over(pixel);
-            control.advance(u64::from(wanted.end - wanted.start));
-        }
-        if pixels.is_empty() {
-            return control.check();
-        }
-    }
-    let mut memory = memories.take(course);
-    let mut next = pixels.iter().map(|(_, wanted)| wanted.start).min().unwrap_or(0);
-    let end = pixels.iter().map(|(_, wanted)| wanted.end).max().unwrap_or(0);
-    while next < end {
-        control.check()?;
-        let (mut rounds, mut paths) = (Vec::new(), 0);
-        while next < end && paths + pixels.len() <= PATHS {
-            let wanting = pixels.iter().filter(|(_, wanted)| wanted.contains(&next));
-            let round = Round { sample: next, pixels: wanting.map(|(pixel, _)| *pixel).collect() };
-            paths += round.pixels.len();
-            rounds.push(round);
-            next += 1;
-        }
-        let wave = Wave { course, memory: &mut memory, tile };
-        wave.render(view, camera, &rounds);
-        control.advance(paths as u64);
-    }
-    memories.give_back(memory);
-    Ok(())
-}
-
-/// The pixels of a tile in blocks of four by four, so that sixteen neighbours in the order are neighbours in the picture.
-fn blockwise(width: u32, height: u32) -> Vec<[u32; 2]> {
-    let block = |k: u32| [k % (SIDE / 4) * 4, k / (SIDE / 4) * 4];
-    let all = (0..SIDE * SIDE / 16).flat_map(|k| (0..16).map(move |i| [block(k)[0] + i % 4, block(k)[1] + i / 4]));
-    all.filter(|[x, y]| *x < width && *y < height).collect()
-}
-
-/// A sample of some pixels within a tile.
-struct Round {
-    sample: u32,
-    pixels: Vec<[u32; 2]>,
-}
-
 /// A wavefront at work.
 struct Wave<'a, 'b> {
     course: &'a Course<'a>,
@@ -256,8 +187,8 @@ struct Wave<'a, 'b> {
 }
 
 impl Wave<'_, '_> {
-    fn render(mut self, view: &View, camera: &RayCamera, rounds: &[Round]) {
-        self.begin(view, camera, rounds);
+    fn render(mut self, view: &View, camera: &RayCamera, starts: &[Start]) {
+        self.begin(view, camera, starts);
         for depth in 0..=self.course.settings.max_depth {
             self.trace_paths(depth);
             self.shade(depth);
@@ -270,11 +201,10 @@ impl Wave<'_, '_> {
             }
         }
         if self.memory.reuse.is_some() {
-            self.course.prepared.lanes.run(reuse::Join { wave: &mut self, rounds });
+            self.course.prepared.lanes.run(reuse::Join { wave: &mut self, starts });
         }
-        let paths = rounds.iter().flat_map(|round| round.pixels.iter().map(move |pixel| (round.sample, pixel)));
-        for ((sample, pixel), slot) in paths.zip(&self.memory.slots) {
-            self.tile.add(*pixel, sample, slot.radiance, slot.covered);
+        for (start, slot) in starts.iter().zip(&self.memory.slots) {
+            self.tile.add(start.pixel, start.sample, slot.radiance, slot.covered);
         }
     }
 
@@ -289,7 +219,7 @@ impl Wave<'_, '_> {
     }
 
     /// Camera rays.
-    fn begin(&mut self, view: &View, camera: &RayCamera, rounds: &[Round]) {
+    fn begin(&mut self, view: &View, camera: &RayCamera, starts: &[Start]) {
         let settings = self.course.settings;
         let memory = &mut *self.memory;
         memory.slots.clear();
@@ -300,10 +230,10 @@ impl Wave<'_, '_> {
             let corner = [self.tile.x, self.tile.y];
             let spread = camera.cone(near.origin, view.height).spread;
             let (camera, with_states) = (near, self.course.needs_states());
-            let begin = begin::Begin { memory, settings, view, camera, spread, corner, rounds, with_states };
+            let begin = begin::Begin { memory, settings, view, camera, spread, corner, starts, with_states };
             self.course.prepared.lanes.run(begin);
         } else {
-            self.begin_one_by_one(view, camera, rounds);
+            self.begin_one_by_one(view, camera, starts);
         }
         let memory = &mut *self.memory;
         memory.paths.len = memory.slots.len();
@@ -314,22 +244,20 @@ impl Wave<'_, '_> {
     }
 
     /// Camera rays in double precision, and for any sampler.
-    fn begin_one_by_one(&mut self, view: &View, camera: &RayCamera, rounds: &[Round]) {
+    fn begin_one_by_one(&mut self, view: &View, camera: &RayCamera, starts: &[Start]) {
         let settings = self.course.settings;
         let memory = &mut *self.memory;
-        for Round { sample, pixels } in rounds {
-            for [x, y] in pixels {
-                let pixel = [self.tile.x + x, self.tile.y + y];
-                let mut sampler = PathSampler::new(settings.sampler, settings.seed, pixel, *sample);
-                let walk = Walk::new(camera_ray(view, camera, pixel, sampler.get_2d(0, Purpose::Pixel)));
-                let at = memory.slots.len();
-                memory.slots.push(Slot::default());
-                memory.states.push(State { sampler, inside: Inside::default() });
-                memory.paths.set_word(path::SLOT, at, at as u32);
-                memory.paths.set_word(path::KEY, at, sampler.key());
-                memory.paths.set_word(path::INDEX, at, sampler.index());
-                memory.put(at, &walk);
-            }
+        for Start { pixel: [x, y], sample } in starts {
+            let pixel = [self.tile.x + x, self.tile.y + y];
+            let mut sampler = PathSampler::new(settings.sampler, settings.seed, pixel, *sample);
+            let walk = Walk::new(camera_ray(view, camera, pixel, sampler.get_2d(0, Purpose::Pixel)));
+            let at = memory.slots.len();
+            memory.slots.push(Slot::default());
+            memory.states.push(State { sampler, inside: Inside::default() });
+            memory.paths.set_word(path::SLOT, at, at as u32);
+            memory.paths.set_word(path::KEY, at, sampler.key());
+            memory.paths.set_word(path::INDEX, at, sampler.index());
+            memory.put(at, &walk);
         }
     }
 }

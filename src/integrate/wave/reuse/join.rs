@@ -1,7 +1,7 @@
 //! The rays between paths, and what comes of them.
 
 use super::super::lanes::offset_point;
-use super::super::{Round, Wave};
+use super::super::{Start, Wave};
 use super::first::First;
 use super::{Joined, PAIRS, Shared, pair, second};
 use crate::film::group_in_square;
@@ -11,10 +11,10 @@ use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Work};
 use crate::prepare::kdtree::{Coherence, RayBatch};
 use glam::Vec3;
 
-/// Joins the paths of all rounds to the first vertices of their groups.
+/// Joins all paths to the first vertices of their groups.
 pub(in super::super) struct Join<'a, 'b, 'c, 'd> {
     pub wave: &'a mut Wave<'b, 'd>,
-    pub rounds: &'c [Round],
+    pub starts: &'c [Start],
 }
 
 impl Work for Join<'_, '_, '_, '_> {
@@ -22,23 +22,23 @@ impl Work for Join<'_, '_, '_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { wave, rounds } = self;
+        let Self { wave, starts } = self;
         let Some(mut shared) = wave.memory.reuse.take() else { return };
         shared.part(&mut wave.memory.slots);
         let (mut begin, mut next) = (0, 0);
-        for Round { pixels, .. } in rounds {
-            for group in pixels.chunk_by(|a, b| group_in_square(*a) == group_in_square(*b)) {
-                let end = begin + group.len();
-                let first = First::load(l, &shared.first, begin, group.len());
-                while next < shared.second.len && (shared.second.word(second::SLOT, next) as usize) < end {
-                    if shared.pairs.len + LANES > PAIRS {
-                        wave.trace_pairs(&mut shared);
-                    }
-                    wave.join(l, &mut shared, next, begin, &first);
-                    next += 1;
+        for together in
+            starts.chunk_by(|a, b| a.sample == b.sample && group_in_square(a.pixel) == group_in_square(b.pixel))
+        {
+            let end = begin + together.len();
+            let first = First::load(l, &shared.first, begin, together.len());
+            while next < shared.second.len && (shared.second.word(second::SLOT, next) as usize) < end {
+                if shared.pairs.len + LANES > PAIRS {
+                    wave.trace_pairs(&mut shared);
                 }
-                begin = end;
+                wave.join(l, &mut shared, next, begin, &first);
+                next += 1;
             }
+            begin = end;
         }
         wave.trace_pairs(&mut shared);
         wave.memory.reuse = Some(shared);
