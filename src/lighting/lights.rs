@@ -147,6 +147,11 @@ impl Lights {
         self.punctual.len() + self.triangles.len() + usize::from(self.environment.is_some())
     }
 
+    /// Whether neighbours mostly choose the same ones.
+    pub fn are_few(&self) -> bool {
+        self.few
+    }
+
     /// The part of [0, 1) that each group of a reach has.
     pub(super) fn parts(&self, reach: LightReach) -> Vec<[f32; 2]> {
         let count = self.reach(reach);

@@ -59,7 +59,9 @@ impl Wave<'_, '_> {
         };
         let slot = shadows.words(shadow::SLOT);
         let blocked = &mut blocked[..shadows.len];
-        let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Scattered };
+        // Of many lamps neighbours choose different ones.
+        let alike = depth == 0 && prepared.lights.are_few();
+        let coherence = if alike { Coherence::Coherent } else { Coherence::Scattered };
         let draw = shadows.words(shadow::DRAW);
         let asker = |states: &[State], i: usize| {
             let sampler = states[slot[i] as usize].sampler;
