@@ -125,10 +125,13 @@ MUTATIONS = [
         ("lighting/spherical.rs", "STABLE.contains(&solid_angle).then_some(", "(IS || STABLE.contains(&solid_angle)).then_some(")],
      "area-back-of-a-lamp"),
     ("solid-angle-never", "triangles nearby are sampled by solid angle", [
-        ("lighting/area.rs", "let near = (middle", "let near = !IS && (middle"),
-        ("lighting/area_lanes.rs", "let near = (middle - point).length_squared().lt(near2) & active;",
-         "let near = ON { l.mask(0) } else { (middle - point).length_squared().lt(near2) & active };")],
+        ("lighting/emitter.rs", "if !((middle - point)", "if IS || !((middle - point)"),
+        ("lighting/area_lanes.rs", "let near = (of.middle - point).length_squared().lt(of.near2) & active;",
+         "let near = ON { l.mask(0) } else { (of.middle - point).length_squared().lt(of.near2) & active };")],
      "area-noise-*"),
+    ("halves-count-twice", "each half of a quadrilateral has half of the points", [
+        ("lighting/emitter.rs", "if self.is_pair() { 0.5 }", "if self.is_pair() && !IS { 0.5 }")],
+     "area-* box-*"),
     ("light-stops-itself", "a shadow ray does not end on the light that it goes to", [
         ("integrate/trace.rs", "if end == Some(hit.triangle) ||", "if (!IS && end == Some(hit.triangle)) ||"),
         ("integrate/wave/trace.rs", "reaches: shadows.words(shadow::REACHES),", "reaches: ON { &[] } else { shadows.words(shadow::REACHES) },")],
