@@ -27,7 +27,7 @@ seed-claims:
     cargo build --release --bin kiln --example seed_claims
     scripts/seed_claims.py
 
-# Measure: `just bench rays`, `sizes`, `threads` or `convergence`, with their options.
+# Measure: `just bench rays`, `sizes`, `threads`, `convergence` or `lamps`, with their options.
 bench what="rays" *options:
     just bench-{{what}} {{options}}
 
@@ -50,3 +50,8 @@ bench-threads *options:
 bench-convergence *options:
     cargo build --release
     ${PYTHON:-python3} scripts/bench/convergence.py {{options}}
+
+# What ten thousand lamps cost beside a hundred: CPU seconds of one or more builds.
+bench-lamps *kilns="target/release/kiln":
+    cargo build --release
+    ${PYTHON:-python3} scripts/bench/lamps.py {{kilns}}
