@@ -20,7 +20,8 @@ use std::f32::consts::PI;
 const UNIFORM_SHARE: f64 = 0.1;
 
 /// Up to so many emitters are chosen by the first of the two numbers of the point on them, which is then stretched over the
-/// emitter's share: numbers that are well distributed together stay so on each emitter. Among more emitters too few of a number's bits would be left for the point.
+/// emitter's share: numbers that are well distributed together stay so on each emitter. Among more emitters too few of a
+/// number's bits would be left for the point.
 const FEW: usize = 64;
 
 /// All emitters of a scene, with a way to choose among them.
