@@ -140,12 +140,14 @@ impl AreaTable {
         if self.halves.is_empty() {
             return (emitter, alone);
         }
-        let [first, second] = [0, 1].map(|k| l.gather_words(&self.halves, emitter.shl::<1>() + k));
+        let at = emitter.shl::<1>();
+        let (first, second) = (l.gather_words(&self.halves, at), l.gather_words(&self.halves, at + 1));
         let pair = !first.lt(l.word(PAIR));
         let flip = pair & (u + v).gt(one);
         let (u, v) = (L::F::select(flip, one - u, u), L::F::select(flip, one - v, v));
-        let both = [one - u - v, u, v];
-        let weights = [0, 1, 2].map(|k| L::F::select(pair, both[k], alone[k]));
+        let [a, b, c] = alone;
+        // Written out: `map` is not inlined.
+        let weights = [L::F::select(pair, one - u - v, a), L::F::select(pair, u, b), L::F::select(pair, v, c)];
         (L::U::select(flip, second, first & !PAIR), weights)
     }
 

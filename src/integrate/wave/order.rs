@@ -64,15 +64,22 @@ fn cell<L: Lanes>(l: L, [x, y, z]: [L::F; 3]) -> L::U {
     let inv = one / (x.abs() + y.abs() + z.abs());
     let (u, v) = (x * inv, y * inv);
     let below = z.lt(zero);
-    let folded = [(one - v.abs()).copysign(u), (one - u.abs()).copysign(v)];
-    let [u, v] = [L::F::select(below, folded[0], u), L::F::select(below, folded[1], v)];
-    let half = 0.5 * SIDE as f32;
-    let along = |x: L::F| ((x + 1.0) * half).max(zero).truncate().min(l.word(SIDE as u32 - 1));
-    let spread = |x: L::U| {
-        let two = (x | x.shl::<2>()) & l.word(0b11_0011);
-        (two | two.shl::<1>()) & l.word(0b101_0101)
-    };
-    spread(along(u)) | spread(along(v)).shl::<1>()
+    let (folded_u, folded_v) = ((one - v.abs()).copysign(u), (one - u.abs()).copysign(v));
+    let (u, v) = (L::F::select(below, folded_u, u), L::F::select(below, folded_v, v));
+    spread(along(l, u)) | spread(along(l, v)).shl::<1>()
+}
+
+/// The cell along a side for a number from -1 to 1.
+#[inline(always)]
+fn along<L: Lanes>(l: L, x: L::F) -> L::U {
+    ((x + 1.0) * (0.5 * SIDE as f32)).max(l.splat(0.0)).truncate().min(l.word(SIDE as u32 - 1))
+}
+
+/// The lowest four bits, each followed by a zero.
+#[inline(always)]
+fn spread<U: Words>(x: U) -> U {
+    let two = (x | x.shl::<2>()) & x.fill(0b11_0011);
+    (two | two.shl::<1>()) & x.fill(0b101_0101)
 }
 
 #[cfg(test)]
