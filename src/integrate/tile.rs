@@ -117,7 +117,8 @@ impl<'a> Tile<'a> {
 
     /// To be called before a sample is added to a film that has some.
     pub fn keep(&mut self) {
-        self.before.extend(self.rows.iter().flat_map(|row| row.iter()));
+        self.before.reserve_exact((self.width * self.height) as usize);
+        self.rows.iter().for_each(|row| self.before.extend_from_slice(row));
     }
 
     /// Makes all sums what they were: those that were kept, or none.

@@ -30,7 +30,18 @@ fn ctrl_c_stops_in_order() {
         std::thread::sleep(Duration::from_millis(20));
     };
     assert_eq!(status.code(), Some(130));
-    let lines = manifest(&dir.path().join("out"));
-    assert_eq!(statuses(&lines), [("a.obj", "skipped"), ("b.obj", "skipped"), ("c.obj", "skipped")]);
-    assert_eq!(files(&dir.path().join("out")), ["index.html", "manifest.jsonl"], "no half-done file");
+    let out = dir.path().join("out");
+    let lines = manifest(&out);
+    let told = statuses(&lines);
+    assert_eq!(told[1..], [("b.obj", "skipped"), ("c.obj", "skipped")]);
+    // How far the first came is the machine's speed: a picture with a sample for every pixel is kept, whole, and no
+    // other.
+    let mut expected = vec!["index.html", "manifest.jsonl"];
+    if told[0] == ("a.obj", "partial") {
+        expected.splice(0..0, ["a.obj.exr", "a.obj.png"]);
+        assert!(lines[0]["outputs"][0]["spp"].as_u64().is_some_and(|spp| spp > 0), "{}", lines[0]);
+    } else {
+        assert_eq!(told[0], ("a.obj", "skipped"));
+    }
+    assert_eq!(files(&out), expected, "no half-done file");
 }

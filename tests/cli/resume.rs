@@ -150,6 +150,11 @@ fn interrupted_pictures_are_kept_with_the_samples_so_far() {
     let dir = folder(&[("in/a.obj", OBJ), ("in/b.obj", OBJ)]);
     let arguments = ["batch", "in", "--out", "out", "--jobs", "1", "--width", "16", "--spp", "16000000"];
     let mut child = command(dir.path(), &arguments).stderr(Stdio::null()).spawn().expect("the program runs");
+    let begin = Instant::now();
+    while !dir.path().join("out/manifest.jsonl").exists() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "it does not begin");
+        std::thread::sleep(Duration::from_millis(20));
+    }
     std::thread::sleep(Duration::from_millis(1500));
     // Kubernetes, Slurm and people at a terminal: all the same.
     let sent = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().expect("kill runs");
