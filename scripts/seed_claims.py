@@ -20,7 +20,7 @@ LIGHTS = [1, 5, 10, 20]
 SIDE = 112
 TREES = ["chess.obj", "reading_corner.obj", "balloons.glb"]
 DEPTHS = ["depth-1", "depth-2", "depth-4", "depth-8"]
-ROULETTE = {"no-roulette": "never", "kiln": "from the fifth scattering on", "roulette-1": "from the first one on"}
+ROULETTE = {"no-roulette": "never", "kiln": "from the third scattering on", "roulette-1": "from the first one on"}
 ROOMS = ["cornell_box.glb", "reading_corner.obj", "tinted_glass.glb"]
 SAMPLERS = ["kiln", "pcg", "lcg", "xorshift32"]
 
@@ -159,13 +159,14 @@ def depth(bench):
         c, p = curve(asset, way), points[way]
         bias = c["bias"]
         told = f"{100 * bias['relative']:+.1f} ± {100 * bias['half_width']:.1f} %" if bias else "–"
-        rows.append([way.replace("kiln", "16, Russian roulette from 5"), times(p["cpu_seconds"]["render"] / full), told,
+        rows.append([way.replace("kiln", "16, Russian roulette from 3"), times(p["cpu_seconds"]["render"] / full), told,
                      f"{p['error']:.1f}"])
     return f"""## Fewer samples where the contribution is lower
 
 The tracer of 2018 shot N/k rays at depth k and still divided by N: a bias. What is left of the idea once it is unbiased is
-Russian roulette (`--roulette`): a path goes on with a probability that is what it still carries, and weighs more for it. Kiln
-does so from the fifth scattering on. The last column is the time for the same error, taking errors to fall with the root of the
+Russian roulette (`--roulette`): a path that carries less than a quarter of what it began with goes on with a probability of four times
+what it still carries, and weighs more for it. (The carried share itself as the probability ends paths that would have found a lamp through
+glass, and makes the rest specks.) Kiln does so from the third scattering on. The last column is the time for the same error, taking errors to fall with the root of the
 time:
 
 {table(["asset", "Russian roulette", "time", "brightness", "error, levels", "time for the same error"], saved)}

@@ -179,7 +179,7 @@ pub struct RenderSettings {
     pub light_samples: Option<u32>,
     /// Where random numbers come from.
     pub sampler: SamplerKind,
-    /// Scattering events after which Russian roulette may end a path by what it carries, the survivors weighing more;
+    /// Scattering events after which Russian roulette may end a path that carries less than a quarter, the survivors weighing more;
     /// [`u32::MAX`]: never.
     pub roulette_after: u32,
     /// Whether pixels use each other's paths.
@@ -200,7 +200,7 @@ impl Default for RenderSettings {
             strategy: Strategy::default(),
             light_samples: None,
             sampler: SamplerKind::default(),
-            roulette_after: 5,
+            roulette_after: 3,
             reuse: Reuse::default(),
             clamp: None,
         }

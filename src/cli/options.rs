@@ -103,8 +103,8 @@ pub struct SettingOptions {
     /// Where random numbers come from
     #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
     sampler: SamplerKind,
-    /// Scattering events after which paths may end by what they carry (Russian roulette, unbiased), or off
-    #[arg(long, value_name = "N|off", default_value = "5", value_parser = roulette, help_heading = "Sampling")]
+    /// Scattering events after which paths that carry little may end (Russian roulette, unbiased), or off
+    #[arg(long, value_name = "N|off", default_value = "3", value_parser = roulette, help_heading = "Sampling")]
     roulette: u32,
     /// Whether pixels use each other's paths: less noise in indirect light, but pixels have noise in common; all get the same number of
     /// samples

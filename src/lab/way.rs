@@ -72,7 +72,7 @@ pub const WAYS: [(&str, &str, &str, &str); 28] = [
     (
         "roulette-1",
         "roulette",
-        "Russian roulette from the first scattering event on (instead of the fifth)",
+        "Russian roulette from the first scattering event on (instead of the third)",
         "roulette=1",
     ),
     ("no-roulette", "roulette", "no Russian roulette: every path to its full depth", "roulette=off"),

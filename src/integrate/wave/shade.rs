@@ -10,7 +10,7 @@ use super::waiting::Waiting;
 use super::{Wave, hit, path};
 use crate::integrate::cone::OPENING;
 use crate::integrate::direct::power_heuristic_lanes;
-use crate::integrate::walk::MOST_SURVIVAL;
+use crate::integrate::walk::{MOST_SURVIVAL, SURVIVAL};
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words, Work};
 use crate::prepare::kdtree::NO_TRIANGLE;
 use crate::sampling::{PathSamplers, Purpose};
@@ -220,7 +220,8 @@ impl Wave<'_, '_> {
                 on = on & !lost;
             }
             if depth + 1 >= self.course.settings.roulette_after {
-                let survival = (throughput.max_element() / floats[path::ETA_SCALE]).min(l.splat(MOST_SURVIVAL));
+                let carried = throughput.max_element() / floats[path::ETA_SCALE];
+                let survival = (carried * SURVIVAL).min(l.splat(MOST_SURVIVAL));
                 on = on & samplers.get_1d(depth, Purpose::Roulette).lt(survival);
                 throughput = throughput * (l.splat(1.0) / survival);
             }

@@ -3,7 +3,7 @@
 use super::super::Wave;
 use super::super::lanes::FrameLanes;
 use super::super::surface::{Outgoing, Surface};
-use crate::integrate::walk::MOST_SURVIVAL;
+use crate::integrate::walk::{MOST_SURVIVAL, SURVIVAL};
 use crate::lanes::{Floats, LANES, Lanes, Mask, V3, Words};
 use crate::shading::RoughLanes;
 
@@ -145,7 +145,7 @@ impl<L: Lanes> First<L> {
         let (value, pdf) = self.lobes.eval(self.surface.wo, local);
         let value = self.throughput.times(value);
         let most = l.splat(MOST_SURVIVAL);
-        let survival = if roulette { (value.max_element() / pdf).min(most) } else { l.splat(1.0) };
+        let survival = if roulette { (value.max_element() / pdf * SURVIVAL).min(most) } else { l.splat(1.0) };
         Seen { dir, distance2, value, pdf, survival, out }
     }
 }
