@@ -91,6 +91,10 @@ MUTATIONS = [
     ("touching-forgotten", "a body that touches another is entered where that is left", [
         ("integrate/touching.rs", "if !prepared.ways", "if IS || !prepared.ways")],
      "absorption-touching-* glass-touching-* glass-bricks"),
+    ("aimed-unmixed", "aimed directions have the density of the mixture", [
+        ("lighting/casters.rs", "pdf * self.whole() / (pdf + aimed)", "pdf * self.whole() / (pdf + ON { 0.5 } else { 1.0 } * aimed)"),
+        ("lighting/casters_lanes.rs", "pdf * self.whole() / (pdf + aimed)", "pdf * self.whole() / (pdf + aimed * ON { 0.5 } else { 1.0 })")],
+     "caustic-*"),
     ("roulette-0.95", "roulette amplifies nothing beyond 1", [
         ("integrate/walk.rs", ".min(MOST_SURVIVAL)", ".min(ON { 0.95 } else { MOST_SURVIVAL })"),
         ("integrate/wave/shade.rs", ".min(l.splat(MOST_SURVIVAL))", ".min(l.splat(ON { 0.95 } else { MOST_SURVIVAL }))")],

@@ -107,6 +107,18 @@ pub enum Reuse {
     On,
 }
 
+/// Whether part of the directions from diffuse surfaces are aimed at bodies of glass and metal (`lighting::casters`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum Caustics {
+    /// Where lamps are small as seen from such bodies, and both light and BSDFs are sampled ([`Strategy::Mis`]): less noise in caustics.
+    #[default]
+    Aimed,
+    /// By the BSDF alone.
+    Met,
+}
+
 /// Whether triangles that several nodes draw are kept once, with one tree for all of them. Does not change pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -182,6 +194,9 @@ pub struct RenderSettings {
     /// Scattering events after which Russian roulette may end a path that carries less than a quarter, the survivors weighing more;
     /// [`u32::MAX`]: never.
     pub roulette_after: u32,
+    /// How caustics are found.
+    #[serde(default)]
+    pub caustics: Caustics,
     /// Whether pixels use each other's paths.
     #[serde(default)]
     pub reuse: Reuse,
@@ -201,6 +216,7 @@ impl Default for RenderSettings {
             light_samples: None,
             sampler: SamplerKind::default(),
             roulette_after: 3,
+            caustics: Caustics::default(),
             reuse: Reuse::default(),
             clamp: None,
         }

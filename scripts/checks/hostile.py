@@ -77,6 +77,14 @@ def half_there(c):
         scene = c.gltf(f"lamp_{name}", floor, {"triangles": lamp, "material": material(**glow, **more)})
         c.add(f"area-alpha-{name}", f"A square lamp of alpha 0.3, {name}", scene, f"{share:g} · {CONTOUR}.",
               {"value": share * full, "absolute": 0.0 if share else 1e-9}, LOOK, strategies=find, spp=2048, max_depth=1)
+    small = quad((-.15, -.15, 1), (-.15, .15, 1), (.15, .15, 1), (.15, -.15, 1))
+    through = 0.5 / pi * irradiance(small, (0, 0, 0), (0, 0, 1), 30.0)
+    for name, at in (("before-the-lamp", (0, 0, .6)), ("beside-the-lamp", (.5, 0, .5))):
+        ball = [tuple(tuple(.25 * x + o for x, o in zip(p, at)) for p in t) for t in icosphere(2)]
+        scene = c.gltf(f"caster_{name}", floor, {"triangles": small, "material": material(**{**glow, "emission": 30.0})},
+                       {"triangles": ball, "material": glass(1.0)})
+        c.add(f"caustic-{name}", f"A small lamp, and a ball of index 1 {name.replace('-', ' ')} to aim at", scene,
+              CONTOUR + ": light goes straight through.", through, LOOK, strategies=find, spp=8192, max_depth=4)
     halves = material(**{**glow, "emission": 3.0})
     halves["emissiveTexture"] = {"index": 0}
     scene = c.gltf("lamp_textured", floor, {"triangles": lamp, "material": halves, "uvs": uvs}, images=[png(2, 1, [[(255, 255, 255), (0, 0, 0)]])])

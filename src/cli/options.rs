@@ -4,9 +4,10 @@ use clap::{Args, value_parser};
 use kiln::batch::ViewFile;
 use kiln::denoise::Denoiser;
 use kiln::settings::{
-    Adaptive, Background, BitDepth, CameraChoice, EffectSettings, EnvironmentSettings, Exposure, Goal, Instances,
-    Integrator, KdTreeBuilder, Layer, LookSettings, PathText, PictureFormat, PictureSettings, PrepareSettings, Preset,
-    RenderSettings, Reuse, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice, ViewSettings,
+    Adaptive, Background, BitDepth, CameraChoice, Caustics, EffectSettings, EnvironmentSettings, Exposure, Goal,
+    Instances, Integrator, KdTreeBuilder, Layer, LookSettings, PathText, PictureFormat, PictureSettings,
+    PrepareSettings, Preset, RenderSettings, Reuse, SamplerKind, Settings, SimdTier, Strategy, ToneMap, UpChoice,
+    ViewSettings,
 };
 use std::path::PathBuf;
 
@@ -106,6 +107,9 @@ pub struct SettingOptions {
     /// Scattering events after which paths that carry little may end (Russian roulette, unbiased), or off
     #[arg(long, value_name = "N|off", default_value = "3", value_parser = roulette, help_heading = "Sampling")]
     roulette: u32,
+    /// How light that glass and metal throw on diffuse surfaces is found
+    #[arg(long, value_enum, default_value_t, help_heading = "Sampling")]
+    caustics: Caustics,
     /// Whether pixels use each other's paths: less noise in indirect light, but pixels have noise in common; all get the same number of
     /// samples
     #[arg(long, value_enum, value_name = "on|off", default_value_t, help_heading = "Sampling")]
@@ -234,6 +238,7 @@ impl SettingOptions {
                 light_samples: self.light_samples,
                 sampler: self.sampler,
                 roulette_after: self.roulette,
+                caustics: self.caustics,
                 reuse: self.reuse,
                 clamp: self.clamp.map(|c| c as f32),
             },

@@ -38,7 +38,7 @@ pub struct StudyCommand {
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
 
-    /// Ways to compare: names and groups (strategies, samplers, trees, depth, lights, roulette, adaptive, reuse, presets), usual, all; --help lists them
+    /// Ways to compare: names and groups (strategies, samplers, trees, depth, lights, roulette, adaptive, caustics, reuse, presets), usual, all; --help lists them
     ///
     /// [default: usual; with --effects: kiln]
     #[arg(long, value_name = "LIST", help_heading = "Study")]
@@ -46,7 +46,7 @@ pub struct StudyCommand {
     /// Price the effects that the assets call for: without each of them, and with all of them reckoned with at every hit
     #[arg(long, help_heading = "Study")]
     effects: bool,
-    /// A way of your own: NAME: KEY=VALUE … with strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, reuse, effects, denoise, preset (may be repeated)
+    /// A way of your own: NAME: KEY=VALUE … with strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, caustics, reuse, effects, denoise, preset (may be repeated)
     #[arg(long, value_name = "WAY", help_heading = "Study")]
     way: Vec<String>,
     /// Seconds for each asset, about, on a machine that does nothing else

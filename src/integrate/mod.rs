@@ -1,5 +1,6 @@
 //! Light transport: from a prepared scene and a view to a film.
 
+mod aim;
 mod bend;
 mod camera;
 mod cone;

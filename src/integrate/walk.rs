@@ -1,17 +1,19 @@
 //! One step of a path, whoever follows it.
 
+use super::aim;
 use super::cone::Cone;
 use super::direct::{direct, emission_found, emission_weight, environment, reach};
 use super::medium::Inside;
 use super::record::{PathEvent, Recorder};
-use super::vertex::{Outgoing, Place, Vertex};
+use super::vertex::{Place, Vertex};
 use super::{RayCounts, View};
+use crate::lighting::casters::Casters;
 use crate::lighting::{LightReach, Receiver};
 use crate::math::Hit;
 use crate::prepare::PreparedScene;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::{RenderSettings, SamplerKind, Strategy};
-use crate::shading::{Baseline, BsdfSample};
+use crate::shading::BsdfSample;
 use glam::Vec3;
 
 /// The most that roulette lets a path survive by. Less than 1 would make paths between nearly white walls heavier with
@@ -40,6 +42,8 @@ pub(super) struct Course<'a> {
     pub show_environment: bool,
     /// Light samples at a path's first vertex, where nobody asks for more.
     first_samples: u32,
+    /// What directions from diffuse surfaces are aimed at.
+    pub(super) casters: Option<&'a Casters>,
 }
 
 /// What goes with a path, whoever follows it.
@@ -94,6 +98,7 @@ impl<'a> Course<'a> {
             reach,
             show_environment: view.show_environment,
             first_samples: if prepared.lights.varies(reach) { FIRST_SAMPLES } else { 1 },
+            casters: aim::casters(prepared, settings),
         }
     }
 
@@ -201,7 +206,7 @@ impl<'a> Course<'a> {
     /// Sends a path on from a vertex whose BSDF is not black; false: it ends.
     pub fn scatter(&self, depth: u32, walk: &mut Walk, vertex: &Vertex, with: &mut Company<impl Recorder>) -> bool {
         let Self { prepared, settings, .. } = *self;
-        let Some((wi, outgoing, sample)) = direction(settings.strategy, with.sampler, depth, vertex) else {
+        let Some((wi, outgoing, sample)) = self.direction(with.sampler, depth, vertex) else {
             with.recorder.note(|| PathEvent::End { why: "absorbed" });
             return false;
         };
@@ -253,24 +258,6 @@ fn hit_event(prepared: &PreparedScene, hit: &Hit, place: &Place) -> PathEvent {
         material: scene.materials[place.material as usize].name.clone(),
         front: place.front,
     }
-}
-
-/// A direction out of the vertex, on the side of the surface that its lobe says.
-fn direction(
-    strategy: Strategy,
-    sampler: &mut PathSampler,
-    depth: u32,
-    vertex: &Vertex,
-) -> Option<(Vec3, Outgoing, BsdfSample)> {
-    let (lobe, u) = (sampler.get_1d(depth, Purpose::Lobe), sampler.get_2d(depth, Purpose::Direction));
-    let wo = vertex.wo_local();
-    let sample = match strategy {
-        Strategy::Hemisphere => vertex.bsdf.sample_baseline(wo, lobe, u, Baseline::Uniform),
-        Strategy::Cosine => vertex.bsdf.sample_baseline(wo, lobe, u, Baseline::Cosine),
-        Strategy::Bsdf | Strategy::Light | Strategy::Mis => vertex.bsdf.sample(wo, lobe, u),
-    }?;
-    let (wi, outgoing) = vertex.world_of(sample.wi)?;
-    Some((wi, outgoing, sample))
 }
 
 /// Whether lanes have the random numbers and the strategy, and no light shines through bodies.

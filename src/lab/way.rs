@@ -1,7 +1,7 @@
 use crate::denoise::{Denoiser, PROGRAM};
 use crate::settings::{
-    Adaptive, Effect, EffectSet, EffectSettings, KdTreeBuilder, PathText, Preset, Reuse, SamplerKind, Settings,
-    Strategy, roulette_after,
+    Adaptive, Caustics, Effect, EffectSet, EffectSettings, KdTreeBuilder, PathText, Preset, Reuse, SamplerKind,
+    Settings, Strategy, roulette_after,
 };
 use clap::ValueEnum;
 use serde::Serialize;
@@ -40,6 +40,8 @@ pub struct Way {
     /// Whether pixels use each other's paths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reuse: Option<Reuse>,
+    /// How caustics are found.
+    pub caustics: Option<Caustics>,
     /// The program that removes the noise of what was rendered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub denoise: Option<PathText>,
@@ -49,7 +51,7 @@ pub struct Way {
 }
 
 /// The ways that have a name: name, group, title, and what they do otherwise.
-pub const WAYS: [(&str, &str, &str, &str); 28] = [
+pub const WAYS: [(&str, &str, &str, &str); 29] = [
     ("kiln", "strategies", "Kiln's own way: MIS, Sobol' points, SAH tree", ""),
     ("light", "strategies", "light sampling alone", "strategy=light"),
     ("bsdf", "strategies", "BSDF sampling alone", "strategy=bsdf"),
@@ -77,6 +79,7 @@ pub const WAYS: [(&str, &str, &str, &str); 28] = [
     ),
     ("no-roulette", "roulette", "no Russian roulette: every path to its full depth", "roulette=off"),
     ("even", "adaptive", "the same number of samples in all pixels", "adaptive=off"),
+    ("met", "caustics", "caustics found by the BSDF alone", "caustics=met"),
     ("reuse", "reuse", "pixels use each other's paths", "reuse=on"),
     (DENOISED, DENOISED, "without noise, by Open Image Denoise with one thread", "denoise=on"),
     ("draft", "presets", "--preset draft: until the stated error is 8 levels", "preset=draft"),
@@ -94,15 +97,14 @@ pub const WAYS: [(&str, &str, &str, &str); 28] = [
 const DENOISED: &str = "denoised";
 
 /// What a way can do otherwise.
-const KEYS: &str =
-    "strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, reuse, effects, denoise, preset";
+const KEYS: &str = "strategy, sampler, kdtree, max-depth, light-samples, roulette, adaptive, caustics, reuse, effects, denoise, preset";
 
 /// What is studied unless something else is asked for.
 const USUAL: &str = "strategies,xorshift32,sampled,lights-4,depth-2,even,2018,denoised,presets";
 
 impl Way {
     /// A way by its name, or one's own: `NAME: KEY=VALUE KEY=VALUE …` with the keys strategy, sampler, kdtree, max-depth,
-    /// light-samples, roulette, adaptive, reuse, effects, denoise (on, or a program) and preset.
+    /// light-samples, roulette, adaptive, caustics, reuse, effects, denoise (on, or a program) and preset.
     ///
     /// # Errors
     /// A sentence.
@@ -135,6 +137,7 @@ impl Way {
                 "roulette" => way.roulette = Some(roulette_after(value).ok_or_else(|| wrong("not a number".into()))?),
                 "effects" => way.effects = Some(value.parse().map_err(wrong)?),
                 "adaptive" => way.adaptive = Some(Adaptive::from_str(value, false).map_err(wrong)?),
+                "caustics" => way.caustics = Some(Caustics::from_str(value, false).map_err(wrong)?),
                 "reuse" => way.reuse = Some(Reuse::from_str(value, false).map_err(wrong)?),
                 "denoise" => way.denoise = Some(PathText(if value == "on" { PROGRAM } else { value }.into())),
                 "preset" => way.preset = Some(Preset::from_str(value, false).map_err(wrong)?),
@@ -154,6 +157,7 @@ impl Way {
         own.render.light_samples = self.light_samples.or(own.render.light_samples);
         own.render.roulette_after = self.roulette.unwrap_or(own.render.roulette_after);
         own.render.adaptive = self.adaptive.unwrap_or(own.render.adaptive);
+        own.render.caustics = self.caustics.unwrap_or(own.render.caustics);
         own.render.reuse = self.reuse.unwrap_or(own.render.reuse);
         own.prepare.effects = self.effects.unwrap_or(own.prepare.effects);
         own.pictures.denoise = self.denoise.clone().or(own.pictures.denoise);
@@ -184,7 +188,7 @@ fn names() -> Vec<&'static str> {
     WAYS.iter().map(|w| w.0).collect()
 }
 
-/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, adaptive, reuse, presets), `usual` and `all`, separated by
+/// The ways of a list of names, groups (strategies, samplers, trees, depth, lights, roulette, adaptive, caustics, reuse, presets), `usual` and `all`, separated by
 /// commas, each once; and those of one's own. `usual` and `all` have the denoised one only where its program is there.
 ///
 /// # Errors

@@ -148,6 +148,12 @@ impl Lights {
         self.punctual.len() + self.triangles.len() + usize::from(self.environment.is_some())
     }
 
+    /// Irradiance that the punctual lights bring to the middle of the scene, about; luminance.
+    pub fn punctual_irradiance(&self, frame: &WorldFrame) -> f32 {
+        let power: f64 = self.punctual.iter().map(|light| light.power(Vec3::ZERO, 1.0)).sum();
+        (power * frame.scale() * frame.scale()) as f32 / PI
+    }
+
     /// Whether neighbours mostly choose the same ones.
     pub fn are_few(&self) -> bool {
         self.few

@@ -3,6 +3,8 @@
 mod area;
 mod area_lanes;
 mod bounds;
+pub mod casters;
+mod casters_lanes;
 mod clusters;
 mod clusters_lanes;
 mod distribution;
@@ -18,6 +20,7 @@ mod spherical;
 mod studio;
 mod tree;
 
+pub use casters_lanes::ConesLanes;
 pub use clusters::Receiver;
 pub use clusters_lanes::{LightRoom, ReceiverLanes};
 pub use environment::{Environment, EnvironmentSource, SharedEnvironment};

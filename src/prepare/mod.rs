@@ -2,6 +2,7 @@
 
 mod asks;
 mod called;
+mod casters;
 mod instances;
 pub mod kdtree;
 mod parts;
@@ -14,6 +15,7 @@ pub(crate) use crate::effects::Knowledge;
 use crate::effects::{self, Rewrite};
 use crate::geometry::{Geometry, Pyramids, WorldFrame, bleed, world_bounds};
 use crate::lanes::AnyLanes;
+use crate::lighting::casters::Casters;
 use crate::lighting::{Environment, Lights};
 pub use crate::lighting::{EnvironmentSource, SharedEnvironment};
 use crate::math::simd::SimdTier;
@@ -77,6 +79,8 @@ pub struct PreparedScene {
     /// Smaller versions of the textures.
     pub(crate) pyramids: Pyramids,
     pub(crate) lights: Lights,
+    /// Bodies that paths are aimed at.
+    pub(crate) casters: Casters,
     pub(crate) tree: KdTree,
     pub(crate) filters: Vec<Filters>,
     /// What has to be asked at hits.
@@ -98,6 +102,7 @@ impl PreparedScene {
     pub fn relight(&mut self, environment: &EnvironmentSource, settings: &PrepareSettings) {
         let environment = Environment::new(environment, self.scene.up);
         self.lights = Lights::new(&self.scene, &self.geometry, &self.frame, environment, settings);
+        self.casters = casters::casters(&self.scene, &self.geometry, &self.frame, &self.lights);
         self.emitters = self.lights.count() as u64;
     }
 
@@ -195,6 +200,7 @@ pub(crate) fn prepare_knowing(
         rare_light: RareLight::of(&scene),
         rewrites,
         times,
+        casters: casters::casters(&scene, &geometry, &frame, &lights),
         asks,
         questions,
         has_diffuse: parts::has_diffuse(&scene),

@@ -222,7 +222,14 @@ impl Bsdf {
         smooth * hemisphere * if both_sides { 0.5 } else { 1.0 }
     }
 
-    fn smooth_sample(&self, wi: Vec3, value: Vec3, pdf: f32) -> Option<BsdfSample> {
+    /// The probability with which a diffuse reflection is chosen.
+    pub fn diffuse_share(&self) -> f32 {
+        let diffuse = |lobe: &Lobe| matches!(lobe, Lobe::Lambert { .. } | Lobe::RoughDiffuse { .. });
+        self.lobes().filter(|(lobe, _)| diffuse(lobe)).map(|(_, probability)| probability).sum()
+    }
+
+    /// The sample of the smooth lobes that is `wi`, with the value and the density that [`Self::eval`] says.
+    pub fn smooth_sample(&self, wi: Vec3, value: Vec3, pdf: f32) -> Option<BsdfSample> {
         let weight = value / pdf;
         let transmitted = wi.z < 0.0;
         let eta_scale = if transmitted { self.lobes().map(|(lobe, _)| lobe.rough_eta_scale()).product() } else { 1.0 };

@@ -6,6 +6,7 @@
 //! of the samples, so that no sum depends on which paths survive. Surfaces that lanes know nothing of are visited one by one,
 //! by the code of the plain integrator, with the same random numbers.
 
+mod aim;
 mod begin;
 mod glass;
 mod kernels;

@@ -1,5 +1,6 @@
 //! One scattering of all paths in flight.
 
+use super::aim::Aim;
 use super::kernels::SurfaceEffects;
 use super::lights::Carried;
 use super::look::Look;
@@ -192,7 +193,9 @@ impl Wave<'_, '_> {
             if self.course.prepared.lights.any(self.course.reach) && lit.any() {
                 self.sample_lights(l, depth, lit, &surface, &carried);
             }
-            let u = samplers.get_2d(depth, Purpose::Direction);
+            let mut u = samplers.get_2d(depth, Purpose::Direction);
+            let share = lobes.shares[0].only(active & !glass);
+            let aim = Aim::new(l, self.course, depth, &surface, share, &mut u);
             let chosen = lobes.chooses() | glass.any();
             let u_lobe = if chosen { samplers.get_1d(depth, Purpose::Lobe) } else { zero };
             let RoughSample { wi: mut local, mut weight, mut pdf, mut delta, straight } =
@@ -208,8 +211,15 @@ impl Wave<'_, '_> {
                 let scale = floats[path::ETA_SCALE];
                 floats[path::ETA_SCALE] = L::F::select(glass, scale * s.eta_scale, scale);
             }
+            let mut sample = RoughSample { wi: local, weight, pdf, delta, straight };
+            let mut wi = surface.frame.to_world(local);
+            if let Some(aim) = &aim {
+                let ratio;
+                (sample, wi, ratio) = aim.mixed(l, &surface, &lobes, sample);
+                floats[path::ETA_SCALE] = floats[path::ETA_SCALE] * ratio;
+            }
+            let RoughSample { wi: local, weight, pdf, delta, straight } = sample;
             let mut throughput = throughput.times(weight);
-            let wi = surface.frame.to_world(local);
             let out = surface.outgoing(wi, local.z);
             // What is not a number is not absorbed either.
             let broken = active & !(pdf.is_finite() & local.is_finite());
