@@ -188,7 +188,8 @@ fn compare(ours: &Rendered, reference: &Reference, trim: f64) -> Comparison {
     }
 }
 
-fn check(scene: &str, references: &[&str], spp: u32, mean_bound: f64, blocks: bool, trim: f64) {
+/// `offset`: by how much the mean is known to differ, relative, and how far it may be from that.
+fn check(scene: &str, references: &[&str], spp: u32, (offset, bound): (f64, f64), blocks: bool, trim: f64) {
     let Some(shared) = shared(&format!("comparison of {scene}")) else { return };
     let rendered = shoot(&shared, scene, spp);
     assert_eq!(rendered.nonfinite, 0);
@@ -203,31 +204,36 @@ fn check(scene: &str, references: &[&str], spp: u32, mean_bound: f64, blocks: bo
             c.relmse,
             rendered.cpu_seconds
         );
-        assert!(c.mean_difference.abs() < mean_bound, "mean radiance differs from {name} by {}", c.mean_difference);
+        assert!(
+            (c.mean_difference - offset).abs() < bound,
+            "mean radiance differs from {name} by {}",
+            c.mean_difference
+        );
         assert!(!blocks || c.worst_block < c.limit, "a block differs from {name} by z = {}", c.worst_block);
     }
 }
 
 #[test]
 fn cornell() {
-    check("cornell", &["cornell.ref.exr"], 256, 0.005, true, 0.0);
+    check("cornell", &["cornell.ref.exr"], 256, (0.0, 0.005), true, 0.0);
 }
 
 #[test]
 fn soft_shadow() {
-    check("soft_shadow", &["soft_shadow.ref.exr"], 64, 0.005, true, 0.0);
+    check("soft_shadow", &["soft_shadow.ref.exr"], 64, (0.0, 0.005), true, 0.0);
 }
 
 #[test]
 fn many_lights() {
-    check("many_lights", &["many_lights.ref.exr"], 64, 0.005, true, 0.0);
+    check("many_lights", &["many_lights.ref.exr"], 64, (0.0, 0.005), true, 0.0);
 }
 
 /// The peers' copper (α 0.16) loses the light that bounces among its microfacets more than once, 2 to 3 % of what it reflects; ours does
-/// not, so that blocks that it fills differ by more than noise. The mean is 0.4 % higher for it.
+/// not, so that blocks that it fills differ by more than noise. The mean is 0.48 % higher for it: by 0.01 % the same with paths aimed at
+/// casters, by BSDFs alone, and without roulette (six pictures of 512 samples).
 #[test]
 fn cornell_glossy() {
-    check("cornell_glossy", &["cornell_glossy.ref.exr"], 128, 0.005, false, 0.001);
+    check("cornell_glossy", &["cornell_glossy.ref.exr"], 128, (0.0048, 0.002), false, 0.001);
 }
 
 /// The mesh is too large to be stored: `KILN_LARGE_MESH` names what `scenes/bench/gen_large.py terrain1m` wrote.
@@ -238,25 +244,25 @@ fn large_mesh() {
         assert!(std::env::var_os("KILN_REQUIRE_SHARED").is_none(), "KILN_LARGE_MESH is not set");
         return;
     }
-    check("large_mesh", &["large_mesh.ref.exr"], 32, 0.005, true, 0.0);
+    check("large_mesh", &["large_mesh.ref.exr"], 32, (0.0, 0.005), true, 0.0);
 }
 
 /// Both renderers on their own: they differ by 0.16 % in the mean and more around texels' edges.
 #[test]
 fn studio_lambert() {
-    check("studio_lambert", &["studio_lambert.mitsuba.exr", "studio_lambert.cycles.exr"], 32, 0.01, false, 0.0);
+    check("studio_lambert", &["studio_lambert.mitsuba.exr", "studio_lambert.cycles.exr"], 32, (0.0, 0.01), false, 0.0);
 }
 
 /// The two peers' material models differ by 1.4 % here.
 #[test]
 fn studio_knot() {
-    check("studio_knot", &["studio_knot.mitsuba.exr", "studio_knot.cycles.exr"], 32, 0.02, false, 0.0);
+    check("studio_knot", &["studio_knot.mitsuba.exr", "studio_knot.cycles.exr"], 32, (0.0, 0.02), false, 0.0);
 }
 
 /// The two peers' material models differ by 0.6 % here.
 #[test]
 fn studio_helmet() {
-    check("studio_helmet", &["studio_helmet.mitsuba.exr", "studio_helmet.cycles.exr"], 32, 0.02, false, 0.0);
+    check("studio_helmet", &["studio_helmet.mitsuba.exr", "studio_helmet.cycles.exr"], 32, (0.0, 0.02), false, 0.0);
 }
 
 #[test]

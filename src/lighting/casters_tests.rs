@@ -84,7 +84,7 @@ fn no_weight_grows_beyond_what_is_aimed() {
         let Some(cones) = casters().seen(point, Vec3::Z, 1.0) else { continue };
         assert!(cones.whole() <= 1.0 + MOST_AIMED + 1e-6);
         let ratio = cones.ratio(Vec3::from(numbers(i + 5000)).normalize(), 0.1);
-        assert!(ratio > 0.0 && ratio <= cones.whole(), "{ratio}");
+        assert!(ratio > 0.0 && ratio <= cones.whole() * (1.0 + 1e-6), "{ratio}");
     }
 }
 
