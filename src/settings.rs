@@ -112,10 +112,10 @@ pub enum Reuse {
 #[serde(rename_all = "lowercase")]
 #[value(rename_all = "lowercase")]
 pub enum Caustics {
-    /// Where lamps are small as seen from such bodies, and both light and BSDFs are sampled ([`Strategy::Mis`]): less noise in caustics.
+    /// Part of the paths are aimed at such bodies where lamps are small as seen from them (with `--strategy mis`): less noise in caustics.
     #[default]
     Aimed,
-    /// By the BSDF alone.
+    /// Paths meet such bodies by chance, as the BSDF sends them.
     Met,
 }
 
