@@ -35,8 +35,10 @@ impl<'a> Course<'a> {
     ) -> Option<(Vec3, Outgoing, BsdfSample)> {
         let (lobe, u) = (sampler.get_1d(depth, Purpose::Lobe), sampler.get_2d(depth, Purpose::Direction));
         let (bsdf, wo) = (&vertex.bsdf, vertex.wo_local());
-        let Receiver { point, normal, .. } = vertex.receiver();
-        let cones = self.casters(depth).and_then(|casters| casters.seen(point, normal, bsdf.diffuse_share()));
+        let cones = self.casters(depth).and_then(|casters| {
+            let Receiver { point, normal, .. } = vertex.receiver();
+            casters.seen(point, normal, bsdf.diffuse_share())
+        });
         let u = match cones.map_or(Err(u), |cones| cones.sample(u)) {
             Ok(wi) => {
                 let outgoing = vertex.towards(wi)?;

@@ -73,7 +73,8 @@ pub(super) struct Walk {
     pub dir: Vec3,
     /// Share of the light along the ray that reaches the camera.
     pub throughput: Vec3,
-    /// The (η_i/η_t)² of refraction in the throughput, which comes back on leaving a body.
+    /// What roulette leaves out of the throughput: the (η_i/η_t)² of refraction, which comes back on leaving a body, and what aiming has
+    /// multiplied weights by (`in_mixture`).
     pub eta_scale: f32,
     /// How wide the path is.
     pub cone: Cone,

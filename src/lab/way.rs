@@ -79,7 +79,7 @@ pub const WAYS: [(&str, &str, &str, &str); 29] = [
     ),
     ("no-roulette", "roulette", "no Russian roulette: every path to its full depth", "roulette=off"),
     ("even", "adaptive", "the same number of samples in all pixels", "adaptive=off"),
-    ("met", "caustics", "caustics found by the BSDF alone", "caustics=met"),
+    ("unaimed", "caustics", "paths meet glass and metal by chance, as the BSDF sends them", "caustics=met"),
     ("reuse", "reuse", "pixels use each other's paths", "reuse=on"),
     (DENOISED, DENOISED, "without noise, by Open Image Denoise with one thread", "denoise=on"),
     ("draft", "presets", "--preset draft: until the stated error is 8 levels", "preset=draft"),

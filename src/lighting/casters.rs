@@ -65,9 +65,8 @@ pub struct Cones {
 }
 
 impl Casters {
-    /// The [`MOST_CASTERS`] largest of these.
+    /// The first [`MOST_CASTERS`] of these.
     pub fn new(mut all: Vec<Caster>) -> Self {
-        all.sort_by(|a, b| b.radius.total_cmp(&a.radius));
         all.truncate(MOST_CASTERS);
         Self { all }
     }
@@ -77,7 +76,7 @@ impl Casters {
         self.all.is_empty()
     }
 
-    /// The casters, the largest first.
+    /// The casters.
     pub fn all(&self) -> &[Caster] {
         &self.all
     }

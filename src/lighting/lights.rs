@@ -148,6 +148,11 @@ impl Lights {
         self.punctual.len() + self.triangles.len() + usize::from(self.environment.is_some())
     }
 
+    /// Whether any triangle emits.
+    pub fn has_areas(&self) -> bool {
+        !self.triangles.is_empty()
+    }
+
     /// Irradiance that the punctual lights bring to the middle of the scene, about; luminance.
     pub fn punctual_irradiance(&self, frame: &WorldFrame) -> f32 {
         let power: f64 = self.punctual.iter().map(|light| light.power(Vec3::ZERO, 1.0)).sum();

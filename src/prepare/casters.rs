@@ -35,8 +35,12 @@ struct Body {
 /// that mean square; a diffuse surface beside it that reflects half of the light looks like L Ω/2π. The ratio of the roots is √(π/Ω): great
 /// for a small lamp, and none for a bright sky. Rough surfaces see a lamp at least as large as their lobe.
 pub(super) fn casters(scene: &Scene, geometry: &Geometry, frame: &WorldFrame, lights: &Lights) -> Casters {
-    let material = |part: usize| &scene.materials[scene.meshes[geometry.parts[part].mesh as usize].material as usize];
-    let rough = (0..geometry.parts.len()).filter_map(|part| Some((part, gathers(material(part))?)));
+    // Most assets have no lamps, and need not be looked through for bodies.
+    if !lights.has_areas() {
+        return Casters::default();
+    }
+    let material = |part: usize| scene.meshes[geometry.parts[part].mesh as usize].material as usize;
+    let rough = (0..geometry.parts.len()).filter_map(|part| Some((part, gathers(&scene.materials[material(part)])?)));
     let mut bodies: Vec<Body> = rough.filter_map(|(part, alpha)| body(geometry, part, alpha)).collect();
     bodies.sort_by(|a, b| b.radius.total_cmp(&a.radius));
     bodies.truncate(MOST_CASTERS);
@@ -48,8 +52,9 @@ pub(super) fn casters(scene: &Scene, geometry: &Geometry, frame: &WorldFrame, li
     let sky = lights.environment.as_ref().map_or(0.0, |environment| luminance(environment.mean()));
     let everywhere = [4.0 * PI * sky + lights.punctual_irradiance(frame), 4.0 * PI * sky * sky];
     let mut seen = vec![everywhere; bodies.len()];
+    let sources: Vec<_> = scene.materials.iter().map(|m| emission::Source::new(scene, m)).collect();
     for part in 0..geometry.parts.len() {
-        let Some(source) = emission::Source::new(scene, material(part)) else { continue };
+        let Some(source) = &sources[material(part)] else { continue };
         for triangle in triangles(geometry, part) {
             let [a, b, c] = geometry.corners(triangle);
             let (middle, across) = ((a + b + c) / 3.0, geometry.front_normal(triangle).as_vec3() * 0.5);
