@@ -22,8 +22,8 @@ pub(super) const MOST_SURVIVAL: f32 = 1.0;
 
 /// Paths survive roulette by this much of what they carry, so that it ends none that carries more than a quarter. What a path will find is
 /// not known, and what is found rarely is the brighter for it: ended in proportion to what they carry (1), paths that find a lamp through glass
-/// made specks three times as bright. 4 against 1, from the third scattering against the fifth, takes 0.63 (glass and metal), 0.85 (many
-/// lamps), 0.89 (diffuse walls) and 1.00 (open air) of the time to a given error; half as much and twice as much are within 0.05 of it.
+/// made specks of the rest. 4 against 1, from the third scattering against the fifth, takes 0.63 (glass and metal), 0.85 (many lamps), 0.89
+/// (diffuse walls) and 1.00 (open air) of the time to a given error; 3 is within 0.03 of 4 (`scripts/runs/2026-11-23-roulette-casters.md`).
 pub(super) const SURVIVAL: f32 = 4.0;
 
 /// Light samples at a path's first vertex. They cost a ray each, and what they leave of their own noise is most of a picture's where light
