@@ -11,6 +11,7 @@
 //! 1 + Σ e_i Ω_i ≤ 1 + [`MOST_AIMED`] times what it would weigh without.
 
 use crate::math::Frame;
+use crate::math::warp::uniform_cone;
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -133,9 +134,7 @@ impl Cones {
             left -= cone.amount;
         }
         let (Cone { axis, narrow, amount, .. }, left) = chosen;
-        let t = (left / amount).min(1.0) * narrow;
-        let (radius, (sin, cos)) = ((t * (2.0 - t)).max(0.0).sqrt(), libm::sincosf(TAU * u[1]));
-        Ok(Frame::from_normal(*axis).to_world(Vec3::new(radius * cos, radius * sin, 1.0 - t)))
+        Ok(Frame::from_normal(*axis).to_world(uniform_cone([(left / amount).min(1.0), u[1]], *narrow)))
     }
 
     /// What a direction's weight is multiplied by that the surface's own lobes make with the density `pdf` over solid angle: `pdf` over the

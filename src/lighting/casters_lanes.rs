@@ -81,6 +81,7 @@ impl<L: Lanes> ConesLanes<L> {
             chosen = chosen | here;
             left = left - self.amount[i];
         }
+        // `uniform_cone`.
         let t = part.min(one) * narrow;
         let radius = (t * (l.splat(2.0) - t)).max(zero).sqrt();
         let (sin, cos) = sin_cos_turns(u[1]);
