@@ -116,9 +116,10 @@ def range_of_f32(c):
 
 
 def whole_paths(c):
-    """Roulette that goes by what a path is worth outside: inside glass every path is worth 1 and none may end."""
+    """Roulette that goes by what a path is worth outside: inside glass every path is worth 1 and none may end. (The index is high: roulette
+    spares what carries more than a quarter.)"""
     pile = [t for k in range(8) for t in box((-1, -1, k / 2), (1, 1, k / 2 + .25))]
-    scene = c.gltf("clear_pile", {"triangles": pile, "material": glass(1.5)})
+    scene = c.gltf("clear_pile", {"triangles": pile, "material": glass(2.5)})
     c.add("glass-pile-each-path", "Every path through a pile of eight clear slabs brings exactly the furnace's light", scene,
           FURNACE + "At normal incidence a path leaves the pile sooner or later, and none is cut short or made heavier.",
           {"value": 1.0, "each_pixel": True}, pencil((0.1, 0.2, 7), (0.1, 0.2, 0)), WHITE, strategies=["bsdf", "mis"], spp=64, max_depth=512)
