@@ -115,25 +115,16 @@ impl Geometry {
         if let Store::Own { normals_from: Some((first, _)), .. } = part.store
             && normals
         {
-            expect(&self.vertex_normals, record.vertices.map(|v| first + v));
+            prefetch::items(&self.vertex_normals, record.vertices.map(|v| (first + v) as usize));
         }
         if texturing {
-            let mesh = &scene.meshes[part.mesh as usize];
+            let (mesh, vertices) = (&scene.meshes[part.mesh as usize], record.vertices.map(|v| v as usize));
             for uvs in &mesh.uvs {
-                expect(uvs, record.vertices);
+                prefetch::items(uvs, vertices);
             }
             if tangents {
-                expect(&mesh.tangents, record.vertices);
+                prefetch::items(&mesh.tangents, vertices);
             }
-        }
-    }
-}
-
-/// Has items fetched, if there are any.
-fn expect<T>(items: &[T], numbers: [u32; 3]) {
-    if !items.is_empty() {
-        for number in numbers {
-            prefetch::lines::<1>(items.as_ptr().addr().wrapping_add(number as usize * size_of::<T>()));
         }
     }
 }

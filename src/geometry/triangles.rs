@@ -3,6 +3,7 @@ use super::known::Known;
 use super::parts::{Part, PartIndex, Store};
 use super::records::{MOST, Record};
 use super::shapes::{Shape, Shared, Sharing, normal_of};
+use crate::lanes::prefetch;
 use crate::math::Placement;
 use glam::{DVec3, Vec3};
 use kiln_formats::Scene;
@@ -187,6 +188,29 @@ impl Geometry {
         match part.store {
             Store::Own { first, .. } => At::Own((first + number) as usize),
             Store::Shape { shape, .. } => At::Shared(part, &self.shapes[shape as usize], number as usize),
+        }
+    }
+
+    /// Has fetched where a triangle's corners and normal are found: the first step. A hint, without which answers are the same.
+    #[inline]
+    pub fn expect_triangle(&self, triangle: u32) {
+        let triangle = [triangle as usize];
+        if !self.records.is_empty() {
+            prefetch::items(&self.records, triangle);
+        } else if self.shapes.is_empty() {
+            prefetch::items(&self.corners, triangle);
+            prefetch::items(&self.normals, triangle);
+        }
+    }
+
+    /// Has the corners themselves fetched, where they are kept apart: the second step, some time after the first.
+    #[inline]
+    pub fn expect_corners(&self, triangle: u32) {
+        if self.records.is_empty()
+            && self.shapes.is_empty()
+            && let Some(corners) = self.corners.get(triangle as usize)
+        {
+            prefetch::items(&self.positions, corners.map(|i| i as usize));
         }
     }
 

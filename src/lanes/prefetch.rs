@@ -17,3 +17,13 @@ pub fn lines<const N: usize>(address: usize) {
     #[cfg(not(target_arch = "x86_64"))]
     let _ = (address, LINE);
 }
+
+/// Has items fetched whose first bytes tell most, if there are any.
+#[inline(always)]
+pub fn items<T, const N: usize>(items: &[T], numbers: [usize; N]) {
+    if !items.is_empty() {
+        for number in numbers {
+            lines::<1>(items.as_ptr().addr().wrapping_add(number.wrapping_mul(size_of::<T>())));
+        }
+    }
+}

@@ -20,6 +20,22 @@ pub(super) struct Look<L: Lanes> {
     pub bends: L::M,
     /// Clear coats, where there may be any.
     pub coat: Option<CoatLook<L>>,
+    /// Radiance that is emitted to the fronts, and to the backs from where they emit: of whom it was asked.
+    pub emitted: V3<L::F>,
+    pub both_sides: L::M,
+}
+
+/// At which points materials are asked.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<L: Lanes> {
+    /// At all.
+    pub active: L::M,
+    /// For textures and colours.
+    pub textured: L::M,
+    /// For the light that they emit.
+    pub glowing: L::M,
+    /// Whether any may have a clear coat.
+    pub coated: bool,
 }
 
 /// What materials say of their clear coats; their normals are still what the base has without its map.
@@ -57,16 +73,10 @@ fn references<'a>(material: &'a Material, m: &'a MetalRough) -> [Option<&'a Text
 }
 
 impl<L: Lanes> Look<L> {
-    /// Of the materials that were fetched, where `active`; textures and colours only where `textured`, clear coats if `coated`.
+    /// Of the materials that were fetched.
     #[inline(always)]
-    pub fn new(
-        l: L,
-        prepared: &PreparedScene,
-        fetch: &Fetch,
-        width: L::F,
-        [active, textured]: [L::M; 2],
-        coated: bool,
-    ) -> Self {
+    pub fn new(l: L, prepared: &PreparedScene, fetch: &Fetch, width: L::F, asked: Asked<L>) -> Self {
+        let Asked { active, textured, glowing, coated } = asked;
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let mut look = Self {
             params: MetalRoughLanes {
@@ -82,6 +92,8 @@ impl<L: Lanes> Look<L> {
             mapped: l.mask(0),
             bends: l.mask(0),
             coat: if coated { Some(CoatLook::none(l)) } else { None },
+            emitted: V3::splat(zero),
+            both_sides: l.mask(0),
         };
         let textures = if textured.any() { Some(fetch.textures(l, prepared, width)) } else { None };
         let ids = l.load_words(&fetch.material);
@@ -92,6 +104,12 @@ impl<L: Lanes> Look<L> {
             let here = ids.eq(l.word(id)) & l.mask(left);
             left &= !here.bits();
             let material = &prepared.scene.materials[id as usize];
+            let glows = here & glowing;
+            if glows.any()
+                && let Some(textures) = &textures
+            {
+                look.take_emission(l, material, textures, glows);
+            }
             if let Surface::MetalRough(m) = &material.surface {
                 look.take(l, material, m, textures.as_ref(), here);
                 if let (Some(coat), Some(layers)) = (&mut look.coat, &m.layers) {
@@ -131,6 +149,20 @@ impl<L: Lanes> Look<L> {
             self.mapped = self.mapped | here;
             let metal = if m.ior == 0.0 { here } else { here & p.metallic.ge(l.splat(0.5)) };
             self.bends = self.bends | metal;
+        }
+    }
+}
+
+impl<L: Lanes> Look<L> {
+    /// Takes the light that one material emits, where `here`: as `geometry::emission::seen` for what has no texture beside its own.
+    #[inline(always)]
+    fn take_emission(&mut self, l: L, material: &Material, textures: &TexturesLanes<L>, here: L::M) {
+        let input = &material.emission;
+        let Some(reference) = input.texture.as_ref().filter(|_| !input.is_black()) else { return };
+        let texel = textures.lookup(l, reference, here);
+        self.emitted = V3::select(here, color(l, input, &texel), self.emitted);
+        if material.emission_two_sided {
+            self.both_sides = self.both_sides | here;
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::aim::Aim;
 use super::kernels::SurfaceEffects;
 use super::lights::Carried;
-use super::look::Look;
+use super::look::{Asked, Look};
 use super::smooth::{mapped_normal, reflecting_normal, stays, visible_normal};
 use super::sort::Sorted;
 use super::surface::{Fetch, Surface};
@@ -101,10 +101,24 @@ impl Wave<'_, '_> {
         }
     }
 
-    /// The surfaces that were fetched, and how they scatter.
+    /// Light that surfaces emit, of whom it was asked; `towards` is negative where fronts are seen.
+    #[inline(always)]
+    fn add_emitted<L: Lanes>(&mut self, l: L, at: usize, lanes: u32, look: &Look<L>, towards: L::F) {
+        let seen = look.both_sides | towards.lt(l.splat(0.0));
+        let bright = (seen & look.emitted.is_not_zero()).bits() & lanes;
+        if bright == 0 {
+            return;
+        }
+        let light = self.memory.paths.load_vector(l, path::THROUGHPUT, at).times(look.emitted).arrays();
+        for lane in (0..LANES).filter(|lane| bright >> lane & 1 != 0) {
+            self.slot(at + lane).radiance += Vec3::new(light[0][lane], light[1][lane], light[2][lane]);
+        }
+    }
+
+    /// The surfaces that were fetched, and how they scatter. Adds the light that they emit, where that was left to this.
     #[inline(always)]
     fn surfaces<L: Lanes>(
-        &self,
+        &mut self,
         l: L,
         at: usize,
         sorted: &Sorted,
@@ -122,9 +136,13 @@ impl Wave<'_, '_> {
             return (surface, RoughLanes::lambert(albedo));
         }
         let textured = l.mask(sorted.textured);
-        let (prepared, coated) = (self.course.prepared, sorted.coated != 0);
-        let mut look =
-            if rough.any() { Some(Look::new(l, prepared, fetch, width, [rough, textured], coated)) } else { None };
+        let asked = Asked { active: rough, textured, glowing: l.mask(sorted.glowing), coated: sorted.coated != 0 };
+        let mut look = if rough.any() { Some(Look::new(l, self.course.prepared, fetch, width, asked)) } else { None };
+        if let Some(look) = &look
+            && sorted.glowing != 0
+        {
+            self.add_emitted(l, at, sorted.glowing, look, dir.dot(fetch.outward(l)));
+        }
         let (mut bends, unmapped) = (glass, normal);
         if let Some(look) = &look {
             if look.mapped.any() {

@@ -13,6 +13,9 @@ use crate::prepare::Way;
 use crate::prepare::kdtree::NO_TRIANGLE;
 use glam::Vec3;
 
+/// Fewer triangles are in the cache anyway.
+const FAR_FROM_FEW: usize = 1 << 12;
+
 /// What becomes of sixteen paths, as sets of lanes.
 pub(super) struct Sorted {
     /// Their surfaces are shaded in lanes.
@@ -25,6 +28,8 @@ pub(super) struct Sorted {
     pub textured: u32,
     /// Those among these that may have a clear coat.
     pub coated: u32,
+    /// Those among the textured ones whose light is looked up with the rest: nothing but the path finds it.
+    pub glowing: u32,
     /// Those among the first that are smooth glass.
     pub glass: u32,
     /// They have been visited, and go on.
@@ -42,6 +47,7 @@ impl Sorted {
             rough: any(self.rough),
             textured: any(self.textured),
             coated: any(self.coated),
+            glowing: any(self.glowing),
             glass: any(self.glass),
             visited: any(self.visited),
         }
@@ -62,23 +68,13 @@ impl Wave<'_, '_> {
         let course = self.course;
         let prepared = course.prepared;
         let lanes_can = !E::ANY || course.lanes_can();
-        let mut sorted = Sorted { lanes: 0, smooth: 0, rough: 0, textured: 0, coated: 0, glass: 0, visited: 0 };
-        // In a loop of its own, so that what is not in the cache comes for all of them at once.
+        let mut sorted =
+            Sorted { lanes: 0, smooth: 0, rough: 0, textured: 0, coated: 0, glowing: 0, glass: 0, visited: 0 };
+        self.look_ahead::<E>(at);
         let mut parts = [0; LANES];
         for (part, triangle) in parts.iter_mut().zip(&self.memory.hits.words(hit::TRIANGLE)[at..at + count]) {
             if *triangle != NO_TRIANGLE {
                 *part = prepared.geometry.part_index(*triangle);
-            }
-        }
-        if E::ANY && prepared.asks.vertices {
-            for (part, triangle) in parts.iter().zip(&self.memory.hits.words(hit::TRIANGLE)[at..at + count]) {
-                if *triangle == NO_TRIANGLE {
-                    continue;
-                }
-                let part = &prepared.ways[*part as usize];
-                if part.smooth || part.textured {
-                    prepared.geometry.expect(&prepared.scene, *triangle, part.smooth, part.textured, part.mapped);
-                }
             }
         }
         for (lane, part) in parts.into_iter().enumerate().take(count) {
@@ -99,8 +95,11 @@ impl Wave<'_, '_> {
             // What only the path can find is seen blurred, and bright beside the bright.
             let competes = self.memory.paths.float(path::PDF, i) > 0.0;
             if part.emits && !(competes && prepared.geometry.is_dark(triangle)) {
+                // Lanes look it up with the other textures, where there is more to do than this.
+                let in_lanes = E::ANY && part.way == Way::Rough && part.textured && depth < course.settings.max_depth;
                 match part.glow {
                     Some(glow) if !competes => self.add_glow(i, glow),
+                    None if !competes && in_lanes => sorted.glowing |= 1 << lane,
                     _ => self.add_emission(i),
                 }
             }
@@ -140,6 +139,34 @@ impl Wave<'_, '_> {
             }
         }
         sorted
+    }
+
+    /// Has fetched what the paths behind sixteen will ask for: of the next sixteen what their triangles lead to, and of those after
+    /// them the triangles. At the first of all, what was missed of both.
+    #[inline(always)]
+    fn look_ahead<E: SurfaceEffects>(&self, at: usize) {
+        let prepared = self.course.prepared;
+        if prepared.geometry.len() < FAR_FROM_FEW {
+            return;
+        }
+        let triangles = self.memory.hits.words(hit::TRIANGLE);
+        let some = |from: usize, to: usize| {
+            let row = &triangles[from.min(triangles.len())..to.min(triangles.len())];
+            row.iter().copied().filter(|triangle| *triangle != NO_TRIANGLE)
+        };
+        let early = if at == 0 { 2 * LANES } else { 0 };
+        for triangle in some(at + 2 * LANES - early, at + 3 * LANES) {
+            prepared.geometry.expect_triangle(triangle);
+        }
+        for triangle in some(at + LANES - early / 2, at + 2 * LANES) {
+            prepared.geometry.expect_corners(triangle);
+            if E::ANY && prepared.asks.vertices {
+                let part = &prepared.ways[prepared.geometry.part_index(triangle) as usize];
+                if part.smooth || part.textured {
+                    prepared.geometry.expect(&prepared.scene, triangle, part.smooth, part.textured, part.mapped);
+                }
+            }
+        }
     }
 
     pub(super) fn hit(&self, i: usize) -> Hit {

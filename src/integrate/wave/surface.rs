@@ -175,7 +175,7 @@ impl Fetch {
     #[inline(always)]
     pub fn surface<L: Lanes>(&self, l: L, dir: V3<L::F>, [b1, b2]: [L::F; 2], smooth: L::M) -> (Surface<L>, V3<L::F>) {
         let mut surface = self.flat(l, dir, b1, b2);
-        let mut normal = self.triangle.vector(l, 9);
+        let mut normal = self.outward(l);
         if smooth.any() {
             let corners = Corners::<L> {
                 dir,
@@ -193,6 +193,12 @@ impl Fetch {
             normal = V3::select(smooth, own.normal, normal);
         }
         (surface, normal)
+    }
+
+    /// Unit normals on the fronts.
+    #[inline(always)]
+    pub fn outward<L: Lanes>(&self, l: L) -> V3<L::F> {
+        self.triangle.vector(l, 9)
     }
 
     /// The colours of diffuse surfaces.
@@ -234,7 +240,7 @@ impl Fetch {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let (c0, c1, c2) = (self.triangle.vector(l, 0), self.triangle.vector(l, 3), self.triangle.vector(l, 6));
         let (p0, p1, p2) = (c0 * (one - b1 - b2), c1 * b1, c2 * b2);
-        let outward = self.triangle.vector(l, 9);
+        let outward = self.outward(l);
         let normal = V3::select(dir.dot(outward).lt(zero), outward, -outward);
         let extent = extent(c0.x, c1.x, c2.x).max(extent(c0.y, c1.y, c2.y)).max(extent(c0.z, c1.z, c2.z));
         let plane = extent * gamma(SAME_PLANE);

@@ -211,8 +211,8 @@ impl KdTree {
         let kernel = self.kernel;
         match &self.form {
             Form::One(tree) if self.packs(coherence) => {
-                let (tree, table) = (tree.wide(), self.lines.as_ref());
-                self.lanes.run(Packets::<ANY, ALL, _, _> { kernel, tree, table, rays, stops, found });
+                let (tree, lines) = (tree.wide(), &self.lines);
+                self.lanes.run(Packets::<ANY, ALL, _, _> { kernel, tree, lines, rays, stops, found });
             }
             Form::One(tree) => {
                 kernel.trace::<ANY>(self.lanes, tree.wide(), rays, stops, |i, hit| found.one(i, hit));

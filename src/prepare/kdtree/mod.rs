@@ -42,6 +42,8 @@ pub use instances::{Instanced, Placed};
 use kiln_formats::{Control, Stopped};
 use mesh_tree::MeshTree;
 use std::time::Instant;
+use wide::packet::BlockLines;
+use wide::packet_kept::TreeNumber;
 
 /// What a tree is built over. Vertices are finite and of magnitude up to 2e12; degenerate triangles do no harm.
 pub trait Triangles: Sync {
@@ -122,8 +124,8 @@ pub struct KdTree {
     form: Form,
     kernel: wide::AnyKernel,
     lanes: AnyLanes,
-    /// For packets, of a small tree.
-    lines: Option<wide::packet_table::LinesTable>,
+    /// For packets.
+    lines: BlockLines,
     statistics: Statistics,
 }
 
@@ -169,10 +171,11 @@ impl KdTree {
 
     fn new(form: Form, options: &BuildOptions, statistics: Statistics) -> Self {
         let (kernel, lanes) = (wide::AnyKernel::new(options.simd), AnyLanes::new(options.simd));
-        let lines = match &form {
+        let table = match &form {
             Form::One(tree) => lanes.run(wide::packet_table::MakeTable(tree.wide())),
             Form::Instances(_) => None,
         };
+        let lines = table.map_or_else(|| BlockLines::Lately(TreeNumber::next()), BlockLines::All);
         Self { form, kernel, lanes, lines, statistics }
     }
 

@@ -15,6 +15,7 @@ pub mod kernel;
 pub mod node;
 pub mod packet;
 pub mod packet_exact;
+pub mod packet_kept;
 mod packet_lanes;
 mod packet_lines;
 #[cfg(test)]

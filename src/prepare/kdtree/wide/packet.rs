@@ -8,12 +8,22 @@ use super::super::batch::{Found, RayBatch};
 use super::super::split::{BLOCK, MAX_DEPTH};
 use super::node::{Child, WIDTH};
 use super::packet_exact::Met;
+use super::packet_kept::{KeptLines, TreeNumber};
 use super::packet_lanes::Packet;
-use super::packet_lines::{Lines, LinesOfBlocks};
+use super::packet_lines::Lines;
 use super::packet_table::LinesTable;
 use super::{AnyKernel, WideTree};
 use crate::lanes::{LANES, Lanes, Mask, Work};
 use crate::math::Hit;
+
+/// What is known of the lines of a tree's blocks.
+#[derive(Debug)]
+pub enum BlockLines {
+    /// All of them.
+    All(LinesTable),
+    /// Those that a thread has visited lately, of the tree that has this number.
+    Lately(TreeNumber),
+}
 
 /// The rays of a batch in packets; with `ANY`, whichever hit is found first; with `ALL`, every hit counts.
 pub struct Packets<'a, const ANY: bool, const ALL: bool, Stops, To> {
@@ -21,8 +31,8 @@ pub struct Packets<'a, const ANY: bool, const ALL: bool, Stops, To> {
     pub kernel: AnyKernel,
     /// What is traversed.
     pub tree: WideTree<'a>,
-    /// The lines of its blocks, if they are all known.
-    pub table: Option<&'a LinesTable>,
+    /// The lines of its blocks.
+    pub lines: &'a BlockLines,
     /// The batch.
     pub rays: &'a RayBatch<'a>,
     /// Which hits count; not asked if all do.
@@ -48,9 +58,15 @@ where
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
-        let mut lines = LinesOfBlocks::new(self.tree.nodes);
+        let mut kept = match self.lines {
+            BlockLines::All(_) => None,
+            BlockLines::Lately(number) => Some(KeptLines::take(*number, self.tree.nodes)),
+        };
         for first in (0..self.rays.len()).step_by(LANES) {
-            self.packet(l, &mut lines, first);
+            self.packet(l, kept.as_deref_mut(), first);
+        }
+        if let Some(kept) = kept {
+            kept.leave();
         }
     }
 }
@@ -61,7 +77,7 @@ where
     To: Found,
 {
     #[inline(always)]
-    fn packet<L: Lanes>(&mut self, l: L, lines: &mut LinesOfBlocks, first: usize) {
+    fn packet<L: Lanes>(&mut self, l: L, mut kept: Option<&mut KeptLines>, first: usize) {
         let count = LANES.min(self.rays.len() - first);
         let mut packet = Packet::new(l, self.rays, first);
         let members = packet.plain & ((1 << count) - 1);
@@ -98,12 +114,13 @@ where
                 Child::Leaf(leaf) => {
                     let mut blocks = self.tree.leaves.blocks(leaf);
                     for k in 0..(leaf.count as usize).div_ceil(BLOCK) {
-                        let lines = match self.table {
-                            Some(table) => table.of(leaf, k),
-                            None => match blocks.next() {
-                                Some(block) => lines.of(l, &block),
+                        let lines = match (self.lines, &mut kept) {
+                            (BlockLines::All(table), _) => table.of(leaf, k),
+                            (_, Some(kept)) => match blocks.next() {
+                                Some(block) => kept.of(l, &block),
                                 None => break,
                             },
+                            (_, None) => break,
                         };
                         packet.turn_to(l, lines);
                         let ended = self.test(l, &mut packet, lines, entering & alive, first);

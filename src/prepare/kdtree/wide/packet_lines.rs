@@ -85,40 +85,9 @@ pub struct Lines {
     len: usize,
 }
 
-/// The lines of the blocks that were visited last.
-pub struct LinesOfBlocks {
-    kept: [Lines; KEPT],
-    /// Addresses of these blocks; 0 for none.
-    blocks: [usize; KEPT],
-    /// Where the next ones go.
-    next: usize,
-    small: Option<Midst>,
-}
-
-const KEPT: usize = 8;
-
-impl LinesOfBlocks {
-    /// None yet, for a tree of these nodes.
-    pub fn new(nodes: &[WideNode]) -> Self {
-        Self { kept: [Lines::NONE; KEPT], blocks: [0; KEPT], next: 0, small: Midst::of_small(nodes) }
-    }
-
-    /// Those of a block.
-    #[inline(always)]
-    pub fn of<L: Lanes>(&mut self, l: L, block: &Block) -> &Lines {
-        let address = block.words.as_ptr().addr();
-        let mut at = self.blocks.iter().position(|known| *known == address).unwrap_or(KEPT);
-        if at == KEPT {
-            (at, self.next) = (self.next, (self.next + 1) % KEPT);
-            self.kept[at].set(l, block, self.small);
-            self.blocks[at] = address;
-        }
-        &self.kept[at]
-    }
-}
-
 impl Lines {
-    const NONE: Self =
+    /// Of no triangles.
+    pub(super) const NONE: Self =
         Self { rows: [[0.0; LANES]; ROWS], numbers: [0; LANES], midst: Midst { point: [0.0; 3], radius: 0.0 }, len: 0 };
 
     /// Those of a block of a tree, whose midst is that of all if it is small.
@@ -149,8 +118,9 @@ impl Lines {
         [V3::new(at(0), at(1), at(2)), V3::new(at(3), at(4), at(5)), V3::new(at(6), at(7), at(8))]
     }
 
+    /// Makes them those of a block.
     #[inline(always)]
-    fn set<L: Lanes>(&mut self, l: L, block: &Block, small: Option<Midst>) {
+    pub(super) fn set<L: Lanes>(&mut self, l: L, block: &Block, small: Option<Midst>) {
         self.len = block.len.min(LANES);
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for i in 0..self.len {

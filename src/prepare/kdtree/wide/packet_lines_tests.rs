@@ -3,7 +3,8 @@
 use super::super::block::{self, Block, words_of};
 use super::super::bounds::Bounds;
 use super::node::{WIDTH, WideNode};
-use super::packet_lines::{Frame, Lines, LinesOfBlocks, surely_ahead};
+use super::packet_kept::{KeptLines, TreeNumber};
+use super::packet_lines::{Frame, Lines, surely_ahead};
 use super::twin_tests::{Random, Strip};
 use crate::lanes::{AnyLanes, Floats, LANES, Lanes, Mask, V3, Work};
 use crate::math::Ray;
@@ -115,7 +116,7 @@ impl Work for Check {
             let small = round / 4 % 2 == 1;
             let mut root = WideNode::empty();
             places.iter().take(WIDTH).for_each(|place| place.put_into(&mut root));
-            let mut kept = LinesOfBlocks::new(if small { slice::from_ref(&root) } else { &[] });
+            let mut kept = KeptLines::new(TreeNumber::next(), if small { slice::from_ref(&root) } else { &[] });
             // More blocks than are kept, and each of them again.
             for place in places.iter().chain(&places) {
                 let block = Block { len: place.len, pool: place.pool, words: &place.words };
@@ -189,7 +190,7 @@ fn what_may_overflow_is_not_certain() {
                 let strip = Strip(vec![[Vec3::ZERO, Vec3::X * size, Vec3::Y * size]]);
                 let mut words = vec![0; words_of(1, 0)];
                 block::write(&mut words, &[0], 0, &[[0; LANES]; 3], &strip);
-                let mut kept = LinesOfBlocks::new(&[]);
+                let mut kept = KeptLines::new(TreeNumber::next(), &[]);
                 let lines = kept.of(l, &Block { len: 1, pool: 0, words: &words });
                 let mut frame = Frame::none(l);
                 let one = V3::splat(l.splat(1.0));
