@@ -158,8 +158,13 @@ impl<L: Lanes> Look<L> {
     #[inline(always)]
     fn take_emission(&mut self, l: L, material: &Material, textures: &TexturesLanes<L>, here: L::M) {
         let input = &material.emission;
-        let Some(reference) = input.texture.as_ref().filter(|_| !input.is_black()) else { return };
-        let texel = textures.lookup(l, reference, here);
+        if input.is_black() {
+            return;
+        }
+        let texel = match &input.texture {
+            Some(reference) => textures.lookup(l, reference, here),
+            None => [l.splat(1.0); 4],
+        };
         self.emitted = V3::select(here, color(l, input, &texel), self.emitted);
         if material.emission_two_sided {
             self.both_sides = self.both_sides | here;
