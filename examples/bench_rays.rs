@@ -153,7 +153,7 @@ fn share(tree: &KdTree, form: &str, rays: &[Ray], any: bool) -> Pass {
         return stream(tree, rays, any, Coherence::Scattered);
     }
     if form.ends_with("-packet") {
-        return stream(tree, rays, any, Coherence::Coherent);
+        return stream(tree, rays, any, Coherence::Camera { pixels: u64::MAX });
     }
     let (mut hits, mut sum_t) = (0, 0.0);
     let begin = ThreadTime::now();

@@ -11,6 +11,7 @@ use crate::lighting::casters::Casters;
 use crate::lighting::{LightReach, Receiver};
 use crate::math::Hit;
 use crate::prepare::PreparedScene;
+use crate::prepare::kdtree::Coherence;
 use crate::sampling::{PathSampler, Purpose};
 use crate::settings::{RenderSettings, SamplerKind, Strategy};
 use crate::shading::BsdfSample;
@@ -42,6 +43,8 @@ pub(super) struct Course<'a> {
     pub show_environment: bool,
     /// Light samples at a path's first vertex, where nobody asks for more.
     first_samples: u32,
+    /// How much its rays go like ways.
+    pub camera: Coherence,
     /// What directions from diffuse surfaces are aimed at.
     pub(super) casters: Option<&'a Casters>,
 }
@@ -99,6 +102,7 @@ impl<'a> Course<'a> {
             reach,
             show_environment: view.show_environment,
             first_samples: if prepared.lights.varies(reach) { FIRST_SAMPLES } else { 1 },
+            camera: Coherence::Camera { pixels: u64::from(view.width) * u64::from(view.height) },
             casters: aim::casters(prepared, settings),
         }
     }

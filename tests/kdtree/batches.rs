@@ -59,7 +59,7 @@ pub fn check(name: &str, tree: &KdTree, rays: &[Ray], cut_out: fn(&Hit) -> bool)
             rays.iter().map(|r| tree.closest(&back(r), |_| true).map_or(NO_TRIANGLE, |h| h.triangle)).collect();
         let barred = |i: usize, h: &Hit| h.triangle == reaches[i];
         let (free, bound) = (Columns::new(rays, vec![]), Columns::new(rays, reaches.clone()));
-        for coherence in [Coherence::Coherent, Coherence::Scattered] {
+        for coherence in [Coherence::Camera { pixels: u64::MAX }, Coherence::Lamps, Coherence::Scattered] {
             let name = format!("{name}, {length} rays, {coherence:?}");
             let expect = |accept: &dyn Fn(usize, &Hit) -> bool| -> Vec<[u32; 4]> {
                 rays.iter().enumerate().map(|(i, r)| word(r, tree.closest(r, |h| accept(i, h)))).collect()

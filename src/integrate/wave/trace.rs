@@ -21,7 +21,8 @@ impl Wave<'_, '_> {
             reaches: &[],
             leaves: if depth == 0 { &[] } else { paths.words(path::LEAVES) },
         };
-        let (coherence, eye) = if depth == 0 { (Coherence::Coherent, true) } else { (Coherence::Scattered, false) };
+        let eye = depth == 0;
+        let coherence = if eye { self.course.camera } else { Coherence::Scattered };
         if prepared.asks.covers || (eye && prepared.asks.culls) {
             let slot = paths.words(path::SLOT);
             let passed = passed.get_or_insert_with(|| Box::new(Passed::new(prepared.questions.mostly())));
@@ -61,7 +62,7 @@ impl Wave<'_, '_> {
         let blocked = &mut blocked[..shadows.len];
         // Of many lamps neighbours choose different ones.
         let alike = depth == 0 && prepared.lights.are_few();
-        let coherence = if alike { Coherence::Coherent } else { Coherence::Scattered };
+        let coherence = if alike { Coherence::Lamps } else { Coherence::Scattered };
         let draw = shadows.words(shadow::DRAW);
         let asker = |states: &[State], i: usize| {
             let sampler = states[slot[i] as usize].sampler;

@@ -12,9 +12,11 @@ use glam::Vec3;
 /// Stands where there is no triangle.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Trees of up to so many references are walked in packets by rays that go like ways: beyond it, a packet's rays meet different
-/// leaves. Measured, like the next.
-const PACKETS_IF_COHERENT: u64 = 1 << 16;
+/// Trees of up to so many references a pixel are walked in packets by rays of a camera: beyond it, a packet's rays meet different
+/// leaves. Measured, like the next two (scripts/runs/2026-11-24-packets.md).
+const PACKETS_IF_A_PIXEL: u64 = 32;
+/// Trees of up to so many references are walked in packets by shadow rays to few lamps.
+const PACKETS_IF_LAMPS: u64 = 1 << 13;
 /// Trees of up to so many references are walked in packets by any rays.
 const PACKETS_IF_SCATTERED: u64 = 160;
 
@@ -51,8 +53,13 @@ pub struct HitBatch<'a> {
 /// Whether neighbours in a batch go like ways. A hint, which never changes what is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coherence {
-    /// They do: rays of a camera in the order of a tile, shadow rays of neighbours to one small light.
-    Coherent,
+    /// They do: rays of a camera in the order of a tile, for a picture of so many pixels.
+    Camera {
+        /// Width times height.
+        pixels: u64,
+    },
+    /// They do as far as lamps are small: shadow rays of neighbours to one of few.
+    Lamps,
     /// They do not: rays after a diffuse bounce.
     Scattered,
 }
@@ -194,7 +201,8 @@ impl KdTree {
     /// Whether sixteen neighbours in a batch go through the tree as one packet.
     pub fn packs(&self, coherence: Coherence) -> bool {
         let most = match coherence {
-            Coherence::Coherent => PACKETS_IF_COHERENT,
+            Coherence::Camera { pixels } => pixels.saturating_mul(PACKETS_IF_A_PIXEL),
+            Coherence::Lamps => PACKETS_IF_LAMPS,
             Coherence::Scattered => PACKETS_IF_SCATTERED,
         };
         matches!(self.form, Form::One(_)) && self.statistics.references <= most

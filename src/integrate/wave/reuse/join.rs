@@ -117,11 +117,11 @@ impl Wave<'_, '_> {
         let slot = pairs.words(pair::SLOT);
         let blocked = &mut blocked[..pairs.len];
         if prepared.asks.covers {
-            prepared.tree.occluded_batch_where(&rays, Coherence::Coherent, blocked, |i, hit| {
+            prepared.tree.occluded_batch_where(&rays, Coherence::Lamps, blocked, |i, hit| {
                 stops(prepared, &self.asker(slot[i] as usize), hit, pairs.vector(pair::DIR, i))
             });
         } else {
-            prepared.tree.occluded_batch(&rays, Coherence::Coherent, blocked);
+            prepared.tree.occluded_batch(&rays, Coherence::Lamps, blocked);
         }
         self.tile.tally.rays.shadow += pairs.len as u64;
         let slots = &mut self.memory.slots;
