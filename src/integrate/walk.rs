@@ -31,6 +31,9 @@ pub(super) const SURVIVAL: f32 = 4.0;
 /// comes from lamps and environments rather than from walls: to a given error, two took 0.71 to 0.92 of the time of one under soft
 /// shadows, maps and many lights, 1.05 within a closed room, and a third gained nothing.
 const FIRST_SAMPLES: u32 = 2;
+/// The same where pixels use each other's paths, so that little noise is left but that of light samples: four take 0.67 of the time of
+/// two under soft shadows, and 1.02 to 1.05 within a closed room; six and eight gain nothing more (`scripts/runs/2026-11-24-packets.md`).
+const FIRST_SAMPLES_SHARED: u32 = 4;
 
 /// What all paths of a picture share.
 #[derive(Clone, Copy)]
@@ -101,7 +104,11 @@ impl<'a> Course<'a> {
             settings,
             reach,
             show_environment: view.show_environment,
-            first_samples: if prepared.lights.varies(reach) { FIRST_SAMPLES } else { 1 },
+            first_samples: match prepared.lights.varies(reach) {
+                true if shares_paths(prepared, settings) => FIRST_SAMPLES_SHARED,
+                true => FIRST_SAMPLES,
+                false => 1,
+            },
             camera: Coherence::Camera { pixels: u64::from(view.width) * u64::from(view.height) },
             casters: aim::casters(prepared, settings),
         }
