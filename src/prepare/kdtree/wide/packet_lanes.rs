@@ -120,9 +120,14 @@ impl<L: Lanes> Packet<L> {
     ) -> [L::M; 2] {
         let triangle = l.word(lines.number(i));
         let barred = triangle.eq(self.barred[0]) | triangle.eq(self.barred[1]);
+        let open = rays & l.mask(between.possible[i]) & !barred;
+        // Rays pass through the triangles that they leave and reach; often nobody else does.
+        if open.none() {
+            return [open, open];
+        }
         let ([low, high], certain) = self.frame.distance(l, lines, i);
         let behind = high.lt(l.splat(0.0)) | self.high.lt(low);
-        let open = rays & l.mask(between.possible[i]) & !(barred | certain & behind);
+        let open = open & !(certain & behind);
         if !ALL {
             return [l.mask(0), open];
         }
