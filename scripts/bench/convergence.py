@@ -14,10 +14,11 @@ import argparse
 import os
 import statistics
 import sys
+from math import ceil
 from pathlib import Path
 
 from convergence_references import Reference, reference
-from convergence_renderers import Kiln, Mitsuba, Scene
+from convergence_renderers import Cycles, Kiln, Mitsuba, Scene
 
 SCENES = "cornell soft_shadow studio_lambert studio_knot studio_helmet cornell_glossy many_lights large_mesh".split()
 TARGETS = (0.01, 0.001)
@@ -48,7 +49,7 @@ def shown(result):
 
 
 def measure(scene, contenders, args):
-    """Renders the scene at each spp by each contender in turn; gives contender → [(CPU seconds, error)]."""
+    """Renders the scene at each spp by each contender in turn; gives contender → [(CPU seconds, error, spp)]."""
     peers = {c.name: None if isinstance(c, Kiln) else c.name for c in contenders}
     refs: dict[str, Reference] = {c: reference(scene, contenders[0], args.reference_spp, peer) for c, peer in peers.items()}
     named = dict.fromkeys(f"{ref.source}, its noise {ref.noise:.1e}" for ref in refs.values())
@@ -73,18 +74,29 @@ def measure(scene, contenders, args):
             error, trimmed = (statistics.mean(f[k] for f in found) for k in (1, 2))
             paths = scene.width * scene.height * spp / cpu / 1e6
             print(f"| {name} | {spp} | {cpu:.3f} | {wall:.3f} | {paths:.2f} | {error:.5f} | {trimmed:.5f} |", flush=True)
-            points[name].append((cpu, error))
+            points[name].append((cpu, error, spp))
     return points
 
 
-def whole_processes(scenes, contenders):
-    """From process start to the picture on disk, 16 spp."""
-    print("\n## Whole processes: start to picture on disk, 16 spp\n\n| scene | renderer | wall s | CPU s |\n|---|---|---|---|")
+def samples_for(target, points):
+    """Samples a pixel, a whole number, with which the error falls to the target; 1 at least. None where that is not known."""
+    found = seconds_to(target, [(spp, error) for _, error, spp in points])
+    return max(1, ceil(found[0] - 1e-6)) if found else None
+
+
+def whole_processes(scenes, contenders, all_points):
+    """From process start to the picture on disk: with 16 samples, and with as many as the first target takes each."""
+    print(f"\n## Whole processes: start to picture on disk, with 16 samples and to {TARGETS[0]}\n")
+    print("| scene | renderer | wall s, 16 spp | CPU s | samples to the error | wall s | CPU s |\n|---|---|---|---|---|---|---|")
     for scene in scenes:
         for contender in contenders:
-            runs = [contender.whole(scene, 16) for _ in range(3)]
-            wall, cpu = (statistics.median(r[k] for r in runs) for k in (0, 1))
-            print(f"| {scene.name} | {contender.name} | {wall:.3f} | {cpu:.3f} |", flush=True)
+            needed = samples_for(TARGETS[0], all_points[scene.name][contender.name])
+            row = [scene.name, contender.name]
+            for spp in (16, needed):
+                runs = [contender.whole(scene, spp) for _ in range(3)] if spp else []
+                row += [] if spp == 16 and len(row) == 2 else [str(spp or "–")]
+                row += [f"{statistics.median(r[k] for r in runs):.3f}" if runs else "–" for k in (0, 1)]
+            print(f"| {' | '.join(row)} |", flush=True)
 
 
 def scaling(scenes, kiln):
@@ -108,7 +120,7 @@ def summary(all_points, contenders):
     print("|---" * (2 + 2 * len(TARGETS)) + "|")
     peers = [c.name for c in contenders if not isinstance(c, Kiln)] or [contenders[0].name]
     for scene, points in all_points.items():
-        times = {name: [seconds_to(t, points[name]) for t in TARGETS] for name in points}
+        times = {name: [seconds_to(t, [p[:2] for p in points[name]]) for t in TARGETS] for name in points}
         best = [min((times[p][k][0] for p in peers if times[p][k]), default=None) for k in range(len(TARGETS))]
         for name, found in times.items():
             ratios = [f"{f[0] / b:.3f}" if f and b else "–" for f, b in zip(found, best)]
@@ -124,6 +136,7 @@ def main():
     parser.add_argument("--limit", type=float, default=120, help="leave out renders of about more CPU seconds than this")
     parser.add_argument("--kiln", action="append", help="a kiln binary and options for it; several run in turn")
     parser.add_argument("--mitsuba", metavar="PYTHON", help="a Python with Mitsuba 3, to run it in turn")
+    parser.add_argument("--cycles", metavar="PYTHON", help="a Python with bpy, to run Blender Cycles in turn")
     parser.add_argument("--reference-spp", type=int, default=16384, help="for scenes with a reference of our own")
     parser.add_argument("--no-whole", action="store_true", help="leave out whole processes, size and threads")
     args = parser.parse_args()
@@ -135,10 +148,12 @@ def main():
     contenders = [Kiln("kiln" if len(commands) == 1 else command, command, shared) for command in commands]
     if args.mitsuba:
         contenders.append(Mitsuba(args.mitsuba, shared))
+    if args.cycles:
+        contenders.append(Cycles(args.cycles, shared))
     points = {scene.name: measure(scene, contenders, args) for scene in scenes}
     summary(points, contenders)
     if not args.no_whole:
-        whole_processes(scenes, contenders)
+        whole_processes(scenes, contenders, points)
         scaling(scenes, contenders[0])
 
 

@@ -1,4 +1,4 @@
-"""The renderers that `convergence.py` lets run: Kiln by its command line, Mitsuba 3 by the script of the shared folder."""
+"""The renderers that `convergence.py` lets run: Kiln by its command line, its peers by the scripts of the shared folder."""
 
 import json
 import os
@@ -98,24 +98,28 @@ class Kiln:
             return self._run(scene, spp, 1, Path(folder) / "picture.png")[:2]
 
 
-class Mitsuba:
-    """Mitsuba 3, AVX-512 LLVM mode with the multijitter sampler, as the shared folder's script runs it."""
+class Peer:
+    """A renderer as the shared folder's script of that name runs it."""
 
-    name = "mitsuba"
+    name: str
+    options: tuple = ()
 
     def __init__(self, python, shared):
-        self.python, self.script = python, shared / "peers" / "run_mitsuba.py"
+        self.python, self.script = python, shared / "peers" / f"run_{self.name}.py"
 
     def _command(self, scene, spp, renders, out):
-        command = [self.python, str(self.script), str(self._view(scene)), "--threads", "3", "--sampler", "multijitter"]
-        weighted = ["--weight"] if scene.name == "many_lights" else []
-        return [*command, *weighted, "--spp", str(spp), "--reps", str(renders), "--out", out]
+        command = [self.python, "-W", "ignore", str(self.script), str(self._view(scene)), *self.options, *self.for_scene(scene)]
+        return [*command, "--spp", str(spp), "--reps", str(renders), "--out", out]
+
+    def for_scene(self, scene):
+        """Options for a scene."""
+        return []
 
     @staticmethod
     def _view(scene):
         if scene.name != "large_mesh":
             return scene.view
-        # Its script looks for the asset beside the view file.
+        # The scripts look for the asset beside the view file.
         beside = scene.asset.parent / "large_mesh.json"
         beside.write_text(json.dumps({**json.loads(scene.view.read_text()), "file": scene.asset.name}))
         return beside
@@ -132,3 +136,21 @@ class Mitsuba:
         """Wall and CPU seconds from process start to a picture on disk."""
         with tempfile.TemporaryDirectory() as out:
             return timed(self._command(scene, spp, 1, out))[:2]
+
+
+class Mitsuba(Peer):
+    """Mitsuba 3, AVX-512 LLVM mode with the multijitter sampler."""
+
+    name = "mitsuba"
+    # Three, since one of them only waits.
+    options = ("--threads", "3", "--sampler", "multijitter")
+
+    def for_scene(self, scene):
+        return ["--weight"] if scene.name == "many_lights" else []
+
+
+class Cycles(Peer):
+    """Blender Cycles by `bpy`, with its light tree and its sampler."""
+
+    name = "cycles"
+    options = ("--threads", "2")
